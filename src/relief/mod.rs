@@ -1,0 +1,5 @@
+//! Reliefs in millimetres: planes over a grid, and the triangles that are written.
+
+pub mod faceted;
+
+pub mod mesh;

@@ -1,0 +1,52 @@
+//! Rays over a surface: what they meet first, and next.
+
+pub mod grid;
+
+pub mod mesh;
+
+use glam::{DVec2, DVec3};
+
+/// What a piece of surface is, for the accounting of light. The rules are those of the independent referee.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Faces up: normal.z > 1e-3.
+    Relief,
+    /// Vertical, inside the plate: |normal.z| <= 1e-3.
+    Wall,
+    /// The solid's underside and its outer sides: light that meets it first was never incident; later it is absorbed.
+    Outer,
+}
+
+/// A point where a ray meets the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit<Place> {
+    /// Where, mm.
+    pub point: DVec3,
+    /// Unit normal, out of the solid.
+    pub normal: DVec3,
+    /// What was met.
+    pub kind: Kind,
+    /// The surface's own name for the spot, from which the next stretch of the path starts.
+    pub place: Place,
+}
+
+/// A surface that rays can be followed over.
+///
+/// A path is one [`first`](Surface::first) and then a [`next`](Surface::next) for each bounce; starting from the
+/// last hit's own place rather than from a point nearby is what keeps a ray from meeting its own facet again.
+pub trait Surface: Sync {
+    /// Names a spot on the surface.
+    type Place: Copy;
+
+    /// The first hit of a ray from outside the surface's box. `direction` is a unit vector.
+    fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit<Self::Place>>;
+
+    /// The next hit of a ray that leaves `from` along the unit vector `direction`.
+    fn next(&self, from: &Hit<Self::Place>, direction: DVec3) -> Option<Hit<Self::Place>>;
+
+    /// Lower-left and upper-right corner of the optical area, mm.
+    fn optical_area(&self) -> (DVec2, DVec2);
+
+    /// Lowest and highest z at which light inside the optical area can meet the relief, mm.
+    fn height_range(&self) -> (f64, f64);
+}
