@@ -12,6 +12,12 @@ pub mod slope;
 
 pub mod projection;
 
+pub mod setup;
+
 pub mod raster;
+
+pub mod highlight;
+
+pub mod distribution;
 
 pub mod relief;

@@ -1,0 +1,105 @@
+//! Light, viewer and plate: which slope lights which point of the highlight image.
+//!
+//! The drawing lives in a frame whose z is the plate's normal as first thought of. A plate that is mounted tilted
+//! (`level`: the mean slope turned into a mounting angle) has a frame of its own; everything the plate does (slopes,
+//! footprints, traced rays) is said in the plate's frame, everything that is drawn or looked at in the drawing's.
+
+use glam::{DMat3, DVec2, DVec3};
+
+use crate::projection::{Projection, View, carried_axes};
+use crate::slope::{Slope, direction, flat_mirror, mirror};
+
+/// One distant light and the highlight image around its mirror direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    light: DVec3,
+    light_radius: f64,
+    view: View,
+    /// Plate axes as columns, in the drawing's frame.
+    mount: DMat3,
+}
+
+impl Setup {
+    /// Light at polar angle `theta`, azimuth `phi`, with angular radius `light_radius` (0: ideal); all radians.
+    /// The image has half field `half_field` around the mirror direction of the flat plate.
+    pub fn new(theta: f64, phi: f64, light_radius: f64, projection: Projection, half_field: f64) -> Self {
+        let light = direction(theta, phi);
+        let view = View::new(projection, half_field, flat_mirror(light));
+        Self { light, light_radius, view, mount: DMat3::IDENTITY }
+    }
+
+    /// The same light and image, the plate's normal turned toward `normal` (unit, in the drawing's frame)
+    /// by the smallest rotation.
+    pub fn mounted(self, normal: DVec3) -> Self {
+        let (e1, e2) = carried_axes(normal);
+        Self { mount: DMat3::from_cols(e1, e2, normal), ..self }
+    }
+
+    /// The plate's normal in the drawing's frame: +z unless the plate is mounted tilted.
+    pub fn plate_normal(&self) -> DVec3 {
+        self.mount.z_axis
+    }
+
+    /// The image's projection; its directions are in the drawing's frame.
+    pub const fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Unit vector to the middle of the light, in the plate's frame.
+    pub fn light(&self) -> DVec3 {
+        self.mount.transpose() * self.light
+    }
+
+    /// Angular radius of the light, radians.
+    pub const fn light_radius(&self) -> f64 {
+        self.light_radius
+    }
+
+    /// Direction (plate's frame) seen at image position `uv`, if there is one and it lies above the plate.
+    pub fn viewer_at(&self, uv: DVec2) -> Option<DVec3> {
+        let o = self.mount.transpose() * self.view.inverse(uv)?;
+        (o.z > 0.0).then_some(o)
+    }
+
+    /// Image position of direction `o` (plate's frame), inside [-1, 1]² or not.
+    pub fn image_of(&self, o: DVec3) -> Option<DVec2> {
+        self.view.forward(self.mount * o)
+    }
+
+    /// The slope that lights image position `uv`.
+    pub fn slope_at(&self, uv: DVec2) -> Option<Slope> {
+        Slope::reflecting(self.light(), self.viewer_at(uv)?)
+    }
+
+    /// The image position that `slope` lights.
+    pub fn image_of_slope(&self, slope: Slope) -> Option<DVec2> {
+        self.image_of(mirror(self.light(), slope.normal()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_and_image_positions_are_inverse_in_any_mounting() {
+        for projection in [Projection::Orthographic, Projection::Equidistant, Projection::Screen] {
+            let flat = Setup::new(0.5, 2.0, 0.0, projection, 0.3);
+            for setup in [flat, flat.mounted(direction(0.2, -1.0))] {
+                for uv in [DVec2::ZERO, DVec2::new(0.7, -0.2), DVec2::new(-0.9, 0.9)] {
+                    let slope = setup.slope_at(uv).unwrap();
+                    assert!((setup.image_of_slope(slope).unwrap() - uv).length() < 1e-9);
+                }
+            }
+            assert!(flat.slope_at(DVec2::ZERO).unwrap().to_vec().length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_plate_mounted_toward_the_halfway_normal_needs_no_slope() {
+        let setup = Setup::new(0.0, 0.0, 0.0, Projection::Equidistant, 0.3);
+        let uv = DVec2::new(0.5, 0.25);
+        let normal = setup.slope_at(uv).unwrap().normal();
+        assert!(setup.mounted(normal).slope_at(uv).unwrap().to_vec().length() < 1e-12);
+    }
+}
