@@ -8,6 +8,10 @@
 
 pub mod progress;
 
+pub mod fourier;
+
+pub mod descent;
+
 pub mod slope;
 
 pub mod projection;
@@ -16,8 +20,20 @@ pub mod setup;
 
 pub mod raster;
 
+pub mod picture;
+
 pub mod highlight;
 
 pub mod distribution;
 
+pub mod facets;
+
 pub mod relief;
+
+pub mod trace;
+
+pub mod verify;
+
+pub mod export;
+
+pub mod recipe;

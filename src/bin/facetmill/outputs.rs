@@ -1,0 +1,71 @@
+//! The pictures that design and verify both write.
+
+use facetmill::export::comparison::{Captions, Comparison};
+use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::projection::View;
+use facetmill::raster::Raster;
+use facetmill::recipe::run::Proof;
+use facetmill::recipe::{Recipe, Seen};
+use facetmill::verify::score::blurred;
+use facetmill::verify::verdict::MAIN_BLUR;
+
+use crate::console::Failure;
+use crate::files::Staged;
+
+/// `raster` the way the user drew: a picture seen on a wall was mirrored on its way in.
+fn as_drawn(raster: &Raster, recipe: &Recipe) -> Raster {
+    match recipe.highlight.seen {
+        Seen::FromAbove => raster.clone(),
+        Seen::OnWall => Raster::from_fn(raster.width, raster.height, |x, y| raster.at(raster.width - 1 - x, y)),
+    }
+}
+
+/// Writes `target.png`: what was asked for.
+pub fn write_target(staged: &mut Staged, target: &Raster, recipe: &Recipe) -> Result<(), Failure> {
+    let drawn = as_drawn(target, recipe);
+    write_png(staged, "target.png", &tone_mapped(&drawn, common_white(&drawn)))
+}
+
+/// Writes `simulated.png` and `comparison.png`, both seen through the main blur.
+pub fn write_proof(
+    staged: &mut Staged,
+    proof: &Proof,
+    recipe: &Recipe,
+    view: &View,
+    footer: String,
+) -> Result<(), Failure> {
+    let see = |raster: &Raster| as_drawn(&blurred(raster, view, MAIN_BLUR.to_radians()), recipe);
+    let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.share_image()));
+    write_png(staged, "simulated.png", &tone_mapped(&simulated, common_white(&target)))?;
+    let verdict = &proof.verdict;
+    let main = verdict.main();
+    let captions = Captions {
+        numbers: [
+            format!("as drawn, blurred by {MAIN_BLUR}°"),
+            format!("{:.1} million rays, blurred by {MAIN_BLUR}°", verdict.rays as f64 / 1e6),
+            format!(
+                "TV({MAIN_BLUR}°) {:.4}   SSIM {:.3}   W1 {:.2}°",
+                main.tv.value, main.ssim.value, verdict.w1.value
+            ),
+        ],
+        footer,
+        ..Captions::default()
+    };
+    let comparison =
+        Comparison { target: &target, simulated: &simulated, view, blur: MAIN_BLUR.to_radians(), captions: &captions };
+    write_png(staged, "comparison.png", &comparison.picture())
+}
+
+/// Encodes and writes one picture.
+pub fn write_png<P>(
+    staged: &mut Staged,
+    name: &str,
+    image: &image::ImageBuffer<P, Vec<P::Subpixel>>,
+) -> Result<(), Failure>
+where
+    P: image::PixelWithColorType,
+    [P::Subpixel]: image::EncodableLayout,
+{
+    let bytes = encode_png(image).map_err(|error| Failure::Impossible(format!("{name} cannot be encoded: {error}")))?;
+    Ok(staged.write_bytes(name, &bytes)?)
+}

@@ -1,0 +1,145 @@
+//! `facetmill verify`: light over any closed STL, scored against a picture.
+
+use std::fs::File;
+
+use facetmill::export::stl::{open_edges, read_stl};
+use facetmill::highlight::scored_target;
+use facetmill::picture;
+use facetmill::progress::Progress;
+use facetmill::recipe::Recipe;
+use facetmill::recipe::run::Proof;
+use facetmill::slope::direction;
+use facetmill::trace::Surface;
+use facetmill::trace::mesh::MeshSurface;
+use facetmill::verify::measure::{Measuring, measure};
+use facetmill::verify::verdict::Verdict;
+use serde_json::json;
+
+use crate::STOP;
+use crate::args::VerifyArgs;
+use crate::console::{Failure, Stages, print_json, print_line, print_table};
+use crate::files::Staged;
+use crate::outputs::{write_proof, write_target};
+
+/// Does what `args` say.
+pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
+    let mut recipe = Recipe::default();
+    args.optics.apply(&mut recipe);
+    args.running.apply(&mut recipe);
+    recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
+    recipe.picture = Some(args.against.to_string_lossy().into_owned());
+    recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
+    if !(0.0..=10_000.0).contains(&args.margin) {
+        return Err(Failure::Usage(format!("--margin is {}: it must be from 0 to 10000", args.margin)));
+    }
+    let mut setup = recipe.setup();
+    if let Some(mount) = args.mount {
+        let [theta, phi] = mount.0;
+        if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
+            return Err(Failure::Usage("--mount takes an angle from 0 to 80 and an azimuth from -360 to 360".into()));
+        }
+        setup = setup.mounted(direction(theta.to_radians(), phi.to_radians()));
+        if setup.light().z <= 0.0 {
+            return Err(Failure::Impossible(
+                "the light is behind the plate as mounted: lower --light or --mount".into(),
+            ));
+        }
+    }
+    let mut staged = Staged::new(&args.output, args.running.force)?;
+    let name = args.plate.display();
+    let mut file =
+        File::open(&args.plate).map_err(|error| Failure::Input(format!("{name} cannot be read: {error}")))?;
+    let mesh = read_stl(&mut file).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let picture = picture::read(&args.against, &recipe.reading())?;
+
+    let stages = Stages::new(args.running.quiet);
+    let listen = |event: facetmill::progress::Event<'_>| stages.hear(event);
+    let progress = Progress::new(&listen, &STOP);
+    progress.stage("reading the plate");
+    let open = open_edges(&mesh);
+    let surface = MeshSurface::new(&mesh, args.margin).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    progress.stage("tracing light over the plate");
+    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let no_light = || match progress.is_cancelled() {
+        true => Failure::Stopped,
+        false => Failure::Impossible(format!(
+            "{name}: no light reaches the highlight image: check units, orientation and --light"
+        )),
+    };
+    let measurement = measure(&surface, &setup, &measuring, &progress).ok_or_else(no_light)?;
+    progress.stage("scoring");
+    let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
+    let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
+    let proof = Proof { target, measurement, verdict };
+
+    progress.stage("writing files");
+    let (low, high) = mesh.bounds();
+    let size = high - low;
+    let (bottom, top) = surface.height_range();
+    let mut advice = Vec::new();
+    if open > 0 {
+        advice.push(format!("{open} edges of the mesh have no partner: it is not closed, and slicers will guess."));
+    }
+    if proof.verdict.backface > 1e-4 {
+        advice.push(format!(
+            "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
+            100.0 * proof.verdict.backface
+        ));
+    }
+    if size.max_element() < 1.0 {
+        advice.push(format!("The plate is only {:.3} mm long: STL has no units, is it in metres?", size.max_element()));
+    }
+    let report = json!({
+        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
+        "plate": {
+            "file": args.plate.to_string_lossy(),
+            "units": "mm",
+            "triangles": mesh.triangles.len(),
+            "degenerate_triangles": surface.degenerate(),
+            "open_edges": open,
+            "size_mm": [size.x, size.y, size.z],
+            "relief_height_mm": top - bottom,
+        },
+        "picture": {
+            "file": recipe.picture,
+            "width": picture.original_size.0,
+            "height": picture.original_size.1,
+            "notes": picture.notes,
+        },
+        "highlight": recipe.highlight,
+        "light": recipe.light,
+        "margin_mm": args.margin,
+        "measured": proof.verdict.to_json(),
+        "advice": advice,
+    });
+    write_target(&mut staged, &proof.target, &recipe)?;
+    let footer = format!(
+        "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
+        size.x,
+        size.y,
+        mesh.triangles.len(),
+        recipe.light.theta,
+        recipe.light.phi,
+        recipe.highlight.half_field
+    );
+    write_proof(&mut staged, &proof, &recipe, setup.view(), footer)?;
+    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
+    if progress.is_cancelled() {
+        return Err(Failure::Stopped);
+    }
+    staged.publish()?;
+    stages.finish();
+    if args.running.json {
+        print_json(&report);
+    } else if !args.running.quiet {
+        print_verdict(args, &proof.verdict);
+        let notes = picture.notes.iter().chain(&advice);
+        notes.for_each(|sentence| print_line(&format!("  Note: {sentence}")));
+    }
+    Ok(())
+}
+
+fn print_verdict(args: &VerifyArgs, verdict: &Verdict) {
+    let rows = crate::console::verdict_rows(verdict);
+    print_table(&format!("Wrote {}: comparison and report", args.output.display()), &rows);
+}

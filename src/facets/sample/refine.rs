@@ -1,0 +1,133 @@
+//! The last touch on sampled facets: their light, seen through a blur a little finer than their spacing, is brought
+//! to agree with the highlight.
+//!
+//! Points repel each other and are drawn to the drawing's light (electrostatic halftoning, Schmaltz et al. 2010):
+//! the loss is Σ_k W(k) |light(k) - highlight(k)|² over spatial frequencies, W(k) = exp(-k²σ²) / (k² + k0²).
+//! Below the facets' own spacing no arrangement of points can agree, so σ follows the spacing. Against the cells'
+//! own centres this takes a quarter to a third off the total variation of photographs at a blur of that size.
+
+use glam::DVec2;
+use rustfft::num_complex::Complex64;
+
+use crate::descent::{Descent, minimise};
+use crate::distribution::Distribution;
+use crate::fourier::{Fourier, frequency};
+use crate::progress::Progress;
+
+/// Blur of the comparison, in units of the facets' mean spacing.
+const BLUR: f64 = 0.6;
+
+/// Grid pixels a blur.
+const PIXELS_PER_BLUR: f64 = 1.6;
+
+/// Longest wave that is told apart from a constant, in units of the image side.
+const LONGEST_WAVE: f64 = 2.0;
+
+/// `points` moved so that their blurred light agrees with the distribution's.
+pub fn refined(distribution: &Distribution, points: Vec<DVec2>, progress: &Progress) -> Vec<DVec2> {
+    let field = Field::new(distribution, points.len());
+    let mut x: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
+    let settings = Descent { steps: 120, memory: 10, tolerance: 2e-4, first_move: 0.1 * field.spacing };
+    minimise(&mut x, &settings, |x, gradient| {
+        if progress.is_cancelled() {
+            return f64::INFINITY;
+        }
+        field.loss(x, gradient)
+    });
+    x.chunks(2).map(|p| DVec2::new(p[0], p[1])).collect()
+}
+
+/// The image plane with a margin, on a grid.
+struct Field<'a> {
+    distribution: &'a Distribution,
+    spacing: f64,
+    side: usize,
+    pixel: f64,
+    low: f64,
+    target: Vec<f64>,
+    fourier: Fourier,
+    gain: Vec<f64>,
+}
+
+impl<'a> Field<'a> {
+    fn new(distribution: &'a Distribution, n: usize) -> Self {
+        let flux = &distribution.flux;
+        // The area that the light would fill if it were even: 1 / ∫ρ².
+        let even = 4.0 / flux.values.len() as f64 / flux.values.iter().map(|f| f * f).sum::<f64>();
+        let spacing = (even / n as f64).sqrt();
+        let blur = (BLUR * spacing).max(PIXELS_PER_BLUR * 2.0 / FINEST as f64);
+        let inner = ((2.0 * PIXELS_PER_BLUR / blur).ceil() as usize).clamp(32, FINEST);
+        let pixel = 2.0 / inner as f64;
+        let margin = (3.0 * blur / pixel).ceil() as usize;
+        let side = even_smooth(inner + 2 * margin);
+        let mut target = vec![0.0; side * side];
+        let shrunk = flux.resampled(inner, inner);
+        for row in 0..inner {
+            // The grid has y upward, as the image plane.
+            let to = (margin + inner - 1 - row) * side + margin;
+            target[to..to + inner].copy_from_slice(&shrunk.values[row * inner..][..inner]);
+        }
+        let gain = (0..side * side)
+            .map(|k| {
+                let k2 = (frequency(k % side, side).powi(2) + frequency(k / side, side).powi(2)) / (pixel * pixel);
+                let floor = std::f64::consts::TAU / (2.0 * LONGEST_WAVE);
+                (-k2 * blur * blur).exp() / (k2 + floor * floor)
+            })
+            .collect();
+        let low = -1.0 - margin as f64 * pixel;
+        Self { distribution, spacing, side, pixel, low, target, fourier: Fourier::new(side, side), gain }
+    }
+
+    /// The loss of points `x` (u, v in turn) and its gradient.
+    fn loss(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        let setup = &self.distribution.setup;
+        let light = setup.light();
+        let flux_of = |p: &[f64]| setup.slope_at(DVec2::new(p[0], p[1])).map_or(1.0, |s| s.intercept(light).max(0.0));
+        let flux: Vec<f64> = x.chunks(2).map(flux_of).collect();
+        let total: f64 = flux.iter().sum();
+        let mut difference: Vec<f64> = self.target.iter().map(|t| -t).collect();
+        for (p, f) in x.chunks(2).zip(&flux) {
+            let (k, a, b) = self.corner(p);
+            let share = f / total;
+            difference[k] += share * (1.0 - a) * (1.0 - b);
+            difference[k + 1] += share * a * (1.0 - b);
+            difference[k + self.side] += share * (1.0 - a) * b;
+            difference[k + self.side + 1] += share * a * b;
+        }
+        let mut potential = difference.clone();
+        self.fourier.filter(&mut potential, |i, j| Complex64::new(self.gain[j * self.side + i], 0.0));
+        for ((p, f), g) in x.chunks(2).zip(&flux).zip(gradient.chunks_mut(2)) {
+            let (k, a, b) = self.corner(p);
+            let [p00, p10, p01, p11] = [0, 1, self.side, self.side + 1].map(|d| potential[k + d]);
+            let share = f / total / self.pixel;
+            g[0] = share * ((p10 - p00) * (1.0 - b) + (p11 - p01) * b);
+            g[1] = share * ((p01 - p00) * (1.0 - a) + (p11 - p10) * a);
+        }
+        0.5 * potential.iter().zip(&difference).map(|(p, d)| p * d).sum::<f64>()
+    }
+
+    /// Index of the grid point below and left of a point, and the point's place between it and its neighbours.
+    fn corner(&self, p: &[f64]) -> (usize, f64, f64) {
+        let last = self.side as f64 - 2.0;
+        let place = |c: f64| ((c - self.low) / self.pixel - 0.5).clamp(0.0, last);
+        let (x, y) = (place(p[0]), place(p[1]));
+        let (i, j) = ((x as usize).min(self.side - 2), (y as usize).min(self.side - 2));
+        (j * self.side + i, x - i as f64, y - j as f64)
+    }
+}
+
+/// Grid points across the image at the most.
+const FINEST: usize = 256;
+
+/// The next even number with no prime factor above 5, for which transforms are fast.
+fn even_smooth(n: usize) -> usize {
+    let smooth = |mut m: usize| {
+        for p in [2, 3, 5] {
+            while m.is_multiple_of(p) {
+                m /= p;
+            }
+        }
+        m == 1
+    };
+    (n..).find(|&m| m.is_multiple_of(2) && smooth(m)).unwrap_or(n)
+}

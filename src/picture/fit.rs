@@ -1,0 +1,309 @@
+//! Light to the square field: rotated, fitted, mirrored.
+
+use rayon::prelude::*;
+
+use super::{Fit, Reading};
+use crate::raster::Raster;
+
+/// Less light than this may leave the field without a note.
+const NEGLIGIBLE: f64 = 1e-3;
+
+/// The light as it will be used: square, row 0 on top.
+pub fn place(light: Raster, reading: &Reading, notes: &mut Vec<String>) -> Raster {
+    let (width, height) = (light.width, light.height);
+    if width != height {
+        notes.push(match reading.fit {
+            Fit::Pad => format!("The picture is {width} x {height}: it was padded with black to a square."),
+            Fit::Crop => format!("The picture is {width} x {height}: it was cropped to a square."),
+            Fit::Stretch => format!("The picture is {width} x {height}: it was stretched to a square."),
+        });
+    }
+    // Stretched first: turning by an odd angle and stretching after would shear the drawing.
+    let light = if reading.fit == Fit::Stretch { stretched(light) } else { light };
+    let total = light.sum();
+    let (mut light, kept) = match Turn::by(reading.rotate) {
+        Turn::Quarters(quarters) => {
+            let light = framed(quarter_turned(light, quarters), reading.fit);
+            let kept = light.sum();
+            (light, kept)
+        }
+        Turn::Angle(angle) => turned(&light, angle, reading.fit),
+    };
+    let lost = 1.0 - kept / total;
+    if lost > NEGLIGIBLE {
+        notes.push(format!("{:.1} % of its light fell outside the field and was cut off.", 100.0 * lost));
+    }
+    if reading.mirrored {
+        light.values.chunks_exact_mut(light.width).for_each(<[f64]>::reverse);
+    }
+    light
+}
+
+enum Turn {
+    /// Quarter turns counter-clockwise, 0 to 3.
+    Quarters(usize),
+    /// Radians counter-clockwise.
+    Angle(f64),
+}
+
+impl Turn {
+    fn by(degrees: f64) -> Self {
+        let degrees = degrees.rem_euclid(360.0);
+        let quarters = (degrees / 90.0).round();
+        if (degrees - 90.0 * quarters).abs() < 1e-9 {
+            Self::Quarters(quarters as usize % 4)
+        } else {
+            Self::Angle(degrees.to_radians())
+        }
+    }
+}
+
+/// Side of the field in pixels of the picture.
+fn side(light: &Raster, fit: Fit) -> usize {
+    match fit {
+        Fit::Pad | Fit::Stretch => light.width.max(light.height),
+        Fit::Crop => light.width.min(light.height),
+    }
+}
+
+/// By areas; scaled so that a plain area keeps its brightness.
+fn stretched(light: Raster) -> Raster {
+    if light.width == light.height {
+        return light;
+    }
+    let n = side(&light, Fit::Stretch);
+    let grown = (n * n) as f64 / (light.width * light.height) as f64;
+    light.resampled(n, n).scaled(grown)
+}
+
+fn quarter_turned(light: Raster, quarters: usize) -> Raster {
+    let (w, h) = (light.width, light.height);
+    match quarters {
+        0 => light,
+        // The upper right corner comes to the upper left.
+        1 => Raster::from_fn(h, w, |x, y| light.at(w - 1 - y, x)),
+        2 => Raster::from_fn(w, h, |x, y| light.at(w - 1 - x, h - 1 - y)),
+        _ => Raster::from_fn(h, w, |x, y| light.at(y, h - 1 - x)),
+    }
+}
+
+/// The square about the middle, black where the picture does not reach.
+fn framed(light: Raster, fit: Fit) -> Raster {
+    let (w, h) = (light.width, light.height);
+    if w == h {
+        return light;
+    }
+    let n = side(&light, fit);
+    // How far the picture begins inside the field (Pad) or the field inside the picture (Crop).
+    let (right, down) = (n.abs_diff(w) / 2, n.abs_diff(h) / 2);
+    match fit {
+        Fit::Crop => Raster::from_fn(n, n, |x, y| light.at(x + right, y + down)),
+        Fit::Pad | Fit::Stretch => Raster::from_fn(n, n, |x, y| match (x.checked_sub(right), y.checked_sub(down)) {
+            (Some(x), Some(y)) if x < w && y < h => light.at(x, y),
+            _ => 0.0,
+        }),
+    }
+}
+
+/// Turned about its middle by `angle` and cut to the field; also the light that stays inside.
+fn turned(light: &Raster, angle: f64, fit: Fit) -> (Raster, f64) {
+    let n = side(light, fit);
+    let (sine, cosine) = angle.sin_cos();
+    let (w, h, half) = (light.width as f64, light.height as f64, n as f64 / 2.0);
+    let mut out = Raster::zeros(n, n);
+    out.values.par_chunks_mut(n).enumerate().for_each(|(row, line)| {
+        // Coordinates from the middle, y up.
+        let y = half - (row as f64 + 0.5);
+        for (column, value) in line.iter_mut().enumerate() {
+            let x = column as f64 + 0.5 - half;
+            // Light now at (x, y) came from there turned back.
+            let (from_x, from_y) = (x * cosine + y * sine, y * cosine - x * sine);
+            *value = bilinear(light, from_x + w / 2.0 - 0.5, h / 2.0 - from_y - 0.5);
+        }
+    });
+    let mut kept = 0.0;
+    for row in 0..light.height {
+        let y = h / 2.0 - (row as f64 + 0.5);
+        for column in 0..light.width {
+            let x = column as f64 + 0.5 - w / 2.0;
+            let (to_x, to_y) = (x * cosine - y * sine, x * sine + y * cosine);
+            if to_x.abs() <= half && to_y.abs() <= half {
+                kept += light.at(column, row);
+            }
+        }
+    }
+    (out, kept)
+}
+
+/// Between the four nearest pixel centres, pixel (0, 0) having its centre at (0, 0); black outside.
+fn bilinear(light: &Raster, x: f64, y: f64) -> f64 {
+    let (left, top) = (x.floor(), y.floor());
+    let (right, low) = (x - left, y - top);
+    let pixel = |column: f64, row: f64| {
+        let inside = column >= 0.0 && row >= 0.0 && column < light.width as f64 && row < light.height as f64;
+        if inside { light.at(column as usize, row as usize) } else { 0.0 }
+    };
+    let upper = pixel(left, top) * (1.0 - right) + pixel(left + 1.0, top) * right;
+    let lower = pixel(left, top + 1.0) * (1.0 - right) + pixel(left + 1.0, top + 1.0) * right;
+    upper * (1.0 - low) + lower * low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Encoding, Picture, from_raster};
+    use super::*;
+
+    const PLAIN: Reading =
+        Reading { encoding: Encoding::Auto, invert: false, rotate: 0.0, fit: Fit::Pad, mirrored: false };
+
+    fn read(light: &Raster, reading: Reading) -> Picture {
+        from_raster(light.clone(), &reading).unwrap()
+    }
+
+    fn numbered(width: usize, height: usize) -> Raster {
+        Raster::from_fn(width, height, |x, y| (1 + x + y * width) as f64)
+    }
+
+    /// A soft spot at (x, y) from the middle, y up, in pixels.
+    fn spot(n: usize, at: (f64, f64)) -> Raster {
+        let half = n as f64 / 2.0;
+        Raster::from_fn(n, n, |c, r| {
+            let (x, y) = (c as f64 + 0.5 - half - at.0, half - r as f64 - 0.5 - at.1);
+            (-(x * x + y * y) / 18.0).exp()
+        })
+    }
+
+    /// Centre of light from the middle, y up.
+    fn centre(light: &Raster) -> (f64, f64) {
+        let half = light.width as f64 / 2.0;
+        let (mut x, mut y) = (0.0, 0.0);
+        for row in 0..light.height {
+            for column in 0..light.width {
+                x += light.at(column, row) * (column as f64 + 0.5 - half);
+                y += light.at(column, row) * (half - row as f64 - 0.5);
+            }
+        }
+        (x / light.sum(), y / light.sum())
+    }
+
+    #[test]
+    fn a_plain_square_keeps_every_bit() {
+        let light = Raster::from_fn(7, 7, |x, y| 1.0 / (1 + x + 7 * y) as f64);
+        for fit in [Fit::Pad, Fit::Crop, Fit::Stretch] {
+            for rotate in [0.0, 360.0, -720.0] {
+                let picture = read(&light, Reading { fit, rotate, ..PLAIN });
+                assert_eq!(picture.light, light);
+                assert_eq!(picture.original_size, (7, 7));
+            }
+        }
+    }
+
+    #[test]
+    fn quarter_turns_are_exact_and_counter_clockwise() {
+        let light = Raster { width: 2, height: 2, values: vec![1.0, 2.0, 3.0, 4.0] };
+        for (rotate, expected) in [
+            (90.0, [2.0, 4.0, 1.0, 3.0]),
+            (180.0, [4.0, 3.0, 2.0, 1.0]),
+            (270.0, [3.0, 1.0, 4.0, 2.0]),
+            (-90.0, [3.0, 1.0, 4.0, 2.0]),
+            (450.0, [2.0, 4.0, 1.0, 3.0]),
+        ] {
+            assert_eq!(read(&light, Reading { rotate, ..PLAIN }).light.values, expected, "{rotate}");
+        }
+        let wide = numbered(3, 2);
+        let turned = quarter_turned(wide.clone(), 1);
+        assert_eq!((turned.width, turned.height), (2, 3));
+        assert_eq!(turned.values, [3.0, 6.0, 2.0, 5.0, 1.0, 4.0]);
+        assert_eq!(quarter_turned(turned, 3), wide);
+    }
+
+    #[test]
+    fn a_planted_spot_turns_counter_clockwise_and_keeps_its_light() {
+        let light = spot(64, (15.0, 0.0));
+        for degrees in [10.0f64, 45.0, 133.0, -60.0] {
+            let picture = read(&light, Reading { rotate: degrees, ..PLAIN });
+            let (x, y) = centre(&picture.light);
+            let (ex, ey) = (15.0 * degrees.to_radians().cos(), 15.0 * degrees.to_radians().sin());
+            assert!((x - ex).hypot(y - ey) < 0.05, "{degrees}: {x} {y}");
+            assert!((picture.light.sum() / light.sum() - 1.0).abs() < 1e-3, "{degrees}");
+            assert!(picture.notes.is_empty());
+        }
+    }
+
+    #[test]
+    fn turning_back_to_the_start_keeps_the_light() {
+        let start = spot(48, (9.0, 4.0));
+        for steps in [5, 7, 8, 12] {
+            let rotate = 360.0 / f64::from(steps);
+            let mut light = start.clone();
+            for _ in 0..steps {
+                light = read(&light, Reading { rotate, ..PLAIN }).light;
+            }
+            // Bilinear sampling of this spot gains or loses about 1e-4 a turn, most at 45°.
+            assert!((light.sum() / start.sum() - 1.0).abs() < 3e-3, "{steps}");
+            let ((x, y), (ex, ey)) = (centre(&light), centre(&start));
+            assert!((x - ex).hypot(y - ey) < 0.05, "{steps}");
+        }
+    }
+
+    #[test]
+    fn corners_that_leave_the_field_are_confessed() {
+        let full = Raster::from_fn(100, 100, |_, _| 1.0);
+        let picture = read(&full, Reading { rotate: 45.0, ..PLAIN });
+        // A square and itself turned by 45° share 2(√2 - 1) of their area.
+        let kept = 2.0 * (2f64.sqrt() - 1.0);
+        assert!((picture.light.sum() / 1e4 - kept).abs() < 0.01);
+        let note = picture.notes.last().unwrap();
+        let told: f64 = note.split(' ').next().unwrap().parse().unwrap();
+        assert!((told - 100.0 * (1.0 - kept)).abs() < 0.5, "{note}");
+        assert!(note.contains("outside the field"));
+    }
+
+    #[test]
+    fn padding_adds_black_and_nothing_else() {
+        let picture = read(&numbered(3, 2), PLAIN);
+        assert_eq!(picture.light.values, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.0, 0.0, 0.0]);
+        assert_eq!(picture.original_size, (3, 2));
+        assert!(picture.notes[0].contains("3 x 2"));
+        let tall = read(&numbered(2, 4), PLAIN).light;
+        assert_eq!(tall.values[..8], [0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0]);
+        let upright = read(&numbered(2, 4), Reading { rotate: 90.0, ..PLAIN }).light;
+        assert_eq!(upright.values[4..12], [2.0, 4.0, 6.0, 8.0, 1.0, 3.0, 5.0, 7.0]);
+    }
+
+    #[test]
+    fn cropping_keeps_the_middle_and_confesses_the_rest() {
+        let crop = Reading { fit: Fit::Crop, ..PLAIN };
+        let picture = read(&numbered(4, 2), crop);
+        assert_eq!(picture.light.values, [2.0, 3.0, 6.0, 7.0]);
+        assert!(picture.notes.iter().any(|n| n.starts_with("50.0 %")), "{:?}", picture.notes);
+        // Turned, the field is filled from what a crop alone would have cut: no black corners.
+        let wide = Raster::from_fn(300, 100, |_, _| 1.0);
+        let turned = read(&wide, Reading { rotate: 20.0, ..crop }).light;
+        assert_eq!(turned.width, 100);
+        assert!(turned.at(99, 50) > 0.999 && turned.at(0, 50) > 0.999);
+        let rim = Raster::from_fn(4, 2, |x, _| if x == 0 { 1.0 } else { 0.0 });
+        assert!(from_raster(rim, &crop).unwrap_err().to_string().contains("cut off"));
+    }
+
+    #[test]
+    fn stretching_keeps_brightness_and_proportions_of_light() {
+        let stretch = Reading { fit: Fit::Stretch, ..PLAIN };
+        let flat = read(&Raster::from_fn(6, 4, |_, _| 0.7), stretch).light;
+        assert!(flat.width == 6 && flat.height == 6 && flat.values.iter().all(|v| (v - 0.7).abs() < 1e-12));
+        let doubled = read(&numbered(4, 2), stretch).light;
+        assert_eq!(doubled.values[..8], [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn mirroring_flips_left_and_right_after_turning() {
+        let light = numbered(3, 3);
+        let mirrored = read(&light, Reading { mirrored: true, ..PLAIN }).light;
+        assert_eq!(mirrored.values, [3.0, 2.0, 1.0, 6.0, 5.0, 4.0, 9.0, 8.0, 7.0]);
+        for rotate in [90.0, 30.0] {
+            let both = read(&light, Reading { mirrored: true, rotate, ..PLAIN }).light;
+            let turned = read(&light, Reading { rotate, ..PLAIN }).light;
+            assert_eq!(both, read(&turned, Reading { mirrored: true, ..PLAIN }).light);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Which recipes can be made at all.
+
+use super::Recipe;
+
+/// Facets on one plate at the most.
+const MOST_FACETS: usize = 4_000_000;
+
+impl Recipe {
+    /// Refuses settings that make no sense, naming the first one.
+    pub fn check(&self) -> Result<(), RecipeError> {
+        let highlight = &self.highlight;
+        let light = &self.light;
+        let plate = &self.plate;
+        within("half-field", highlight.half_field, 0.1, 85.0)?;
+        within("rotate", highlight.rotate, -360.0, 360.0)?;
+        within("light", light.theta, 0.0, 85.0)?;
+        within("light", light.phi, -360.0, 360.0)?;
+        within("light-radius", light.radius, 0.0, 89.0 - light.theta)?;
+        within("size", plate.size[0], 0.01, 10_000.0)?;
+        within("size", plate.size[1], 0.01, 10_000.0)?;
+        within("thickness", plate.thickness, 0.01, 1000.0)?;
+        within("border", plate.border, 0.0, 1000.0)?;
+        within("slope-cap", self.design.distribution.slope_cap, 0.1, 85.0)?;
+        within("facets", plate.facets[0] as f64, 1.0, MOST_FACETS as f64)?;
+        within("facets", plate.facets[1] as f64, 1.0, MOST_FACETS as f64)?;
+        within("cells", plate.cells as f64, 1.0, MOST_FACETS as f64)?;
+        within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
+        let [columns, rows] = plate.facets;
+        if columns * rows > MOST_FACETS {
+            return Err(RecipeError::TooManyFacets { columns, rows });
+        }
+        let cells = plate.cells;
+        if !columns.is_multiple_of(cells) || !rows.is_multiple_of(cells) {
+            let nearest = |n: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
+            return Err(RecipeError::Indivisible {
+                columns,
+                rows,
+                cells,
+                near_columns: nearest(columns),
+                near_rows: nearest(rows),
+            });
+        }
+        let pitch = self.pitch();
+        if pitch.max_element() > 20.0 * pitch.min_element() {
+            return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
+        }
+        Ok(())
+    }
+}
+
+fn within(setting: &'static str, value: f64, low: f64, high: f64) -> Result<(), RecipeError> {
+    // A value that is not a number is in no range.
+    if (low..=high).contains(&value) { Ok(()) } else { Err(RecipeError::OutOfRange { setting, value, low, high }) }
+}
+
+/// Why a recipe cannot be followed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RecipeError {
+    /// Not TOML, or not of this program: what, and on which line.
+    #[error("line {1} makes no sense: {0}")]
+    Unreadable(String, usize),
+    /// A number outside what is possible.
+    #[error("{setting} is {value}: it must be from {low} to {high}")]
+    OutOfRange {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+        /// What was asked.
+        value: f64,
+        /// Least possible.
+        low: f64,
+        /// Most possible.
+        high: f64,
+    },
+    /// Facets do not divide into cells.
+    #[error(
+        "{columns}x{rows} facets do not divide into {cells}x{cells} cells: take --facets {near_columns}x{near_rows}, or other --cells"
+    )]
+    Indivisible {
+        /// Facets along x.
+        columns: usize,
+        /// Facets along y.
+        rows: usize,
+        /// Cells a side.
+        cells: usize,
+        /// The nearest number along x that divides.
+        near_columns: usize,
+        /// The nearest number along y that divides.
+        near_rows: usize,
+    },
+    /// More than fits.
+    #[error("{columns}x{rows} facets are more than the 4 million that one plate can have: take fewer --facets")]
+    TooManyFacets {
+        /// Facets along x.
+        columns: usize,
+        /// Facets along y.
+        rows: usize,
+    },
+    /// Facets twenty times as long as wide.
+    #[error("facets would be {across:.3} mm by {up:.3} mm: choose --facets in proportion to --size")]
+    Slivers {
+        /// Facet size along x, mm.
+        across: f64,
+        /// Facet size along y, mm.
+        up: f64,
+    },
+}
+
+impl RecipeError {
+    /// Whether the settings are sound one by one but no plate can have them together.
+    pub fn is_impossible(&self) -> bool {
+        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recipe_survives_toml_and_typos_do_not() {
+        for recipe in [Recipe::default(), Recipe::weyrich2009()] {
+            assert_eq!(recipe.check(), Ok(()));
+            assert_eq!(Recipe::from_toml(&recipe.to_toml()), Ok(recipe));
+        }
+        assert_eq!(Recipe::from_toml(""), Ok(Recipe::default()));
+        let typo = Recipe::from_toml("[light]\ntheta = 30\nthata = 3\n").unwrap_err();
+        assert!(matches!(&typo, RecipeError::Unreadable(what, 3) if what.contains("thata")), "{typo:?}");
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        let refused = |change: fn(&mut Recipe)| {
+            let mut recipe = Recipe::default();
+            change(&mut recipe);
+            recipe.check().unwrap_err()
+        };
+        let named = |error| match error {
+            RecipeError::OutOfRange { setting, .. } => setting,
+            other => panic!("{other}"),
+        };
+        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0)), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN)), "half-field");
+        assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
+        assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
+        assert_eq!(named(refused(|r| r.plate.facets[0] = 0)), "facets");
+        assert_eq!(named(refused(|r| r.plate.cells = 0)), "cells");
+        let error = refused(|r| r.plate.cells = 4);
+        assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
+        assert!(refused(|r| r.plate.facets = [3000, 3000]).is_impossible());
+        assert!(refused(|r| r.plate.facets = [2, 300]).is_impossible());
+    }
+}

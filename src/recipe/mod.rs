@@ -1,0 +1,266 @@
+//! Every setting with its default, saved as TOML, and the main job from a recipe to a plate.
+
+mod check;
+
+pub mod run;
+
+pub mod report;
+
+use serde::{Deserialize, Serialize};
+
+pub use check::RecipeError;
+
+use crate::distribution::DistributionSettings;
+use crate::facets::arrange::anneal::{Annealing, Energy};
+use crate::facets::sample::Sampling;
+use crate::highlight::Quantity;
+use crate::picture::{Encoding, Fit, Reading};
+use crate::projection::Projection;
+use crate::setup::Setup;
+
+/// All that a design depends on. The same recipe gives the same bytes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Recipe {
+    /// The picture of the highlight, as named by the user; relative to the working folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<String>,
+    /// How the picture is read, and what it means.
+    pub highlight: HighlightSettings,
+    /// The lamp.
+    pub light: LightSettings,
+    /// The plate.
+    pub plate: PlateSettings,
+    /// How slopes are found, drawn, ordered and raised.
+    pub design: DesignSettings,
+    /// How the plate is proved.
+    pub verify: VerifySettings,
+}
+
+/// What the picture means.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct HighlightSettings {
+    /// Angle from the picture's middle to its rim, degrees.
+    pub half_field: f64,
+    /// How directions are laid out on the picture.
+    pub projection: Projection,
+    /// What a pixel's value says.
+    pub quantity: Quantity,
+    /// From which side the picture is looked at.
+    pub seen: Seen,
+    /// How pixel values stand for light.
+    pub encoding: Encoding,
+    /// Dark is light.
+    pub invert: bool,
+    /// Turn of the drawing, degrees counter-clockwise.
+    pub rotate: f64,
+    /// How a picture that is not square fills the field.
+    pub fit: Fit,
+}
+
+impl Default for HighlightSettings {
+    fn default() -> Self {
+        Self {
+            half_field: 20.0,
+            projection: Projection::default(),
+            quantity: Quantity::default(),
+            seen: Seen::default(),
+            encoding: Encoding::default(),
+            invert: false,
+            rotate: 0.0,
+            fit: Fit::default(),
+        }
+    }
+}
+
+/// From which side the highlight image is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Seen {
+    /// A map of viewers seen from above the plate.
+    #[default]
+    FromAbove,
+    /// Thrown on a ceiling or wall and looked at from the plate's side: mirrored.
+    OnWall,
+}
+
+/// One distant lamp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct LightSettings {
+    /// Angle from the plate's normal, degrees.
+    pub theta: f64,
+    /// Azimuth from +x, counter-clockwise seen from above, degrees.
+    pub phi: f64,
+    /// Angular radius, degrees: 0 is ideal, the sun has 0.2665.
+    pub radius: f64,
+}
+
+/// The piece of metal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct PlateSettings {
+    /// Optical area along x and y, mm.
+    pub size: [f64; 2],
+    /// Facets along x and y, on the whole plate.
+    pub facets: [usize; 2],
+    /// The whole highlight is repeated in this many cells along each side.
+    pub cells: usize,
+    /// Solid metal under the lowest point, mm.
+    pub thickness: f64,
+    /// Flat rim around the optical area, mm.
+    pub border: f64,
+    /// Kind of relief.
+    pub surface: SurfaceKind,
+}
+
+impl Default for PlateSettings {
+    fn default() -> Self {
+        Self { size: [30.0, 30.0], facets: [30, 30], cells: 1, thickness: 5.0, border: 0.0, surface: SurfaceKind::Flat }
+    }
+}
+
+/// Kinds of relief.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurfaceKind {
+    /// Planar facets, as in the 2009 paper.
+    #[default]
+    Flat,
+}
+
+/// How the facets come about.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct DesignSettings {
+    /// How facets are drawn from the distribution.
+    pub sample: Sampling,
+    /// Which facet goes where.
+    pub arrange: Arrangement,
+    /// How heights follow from slopes; without it, as suits the arrangement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heights: Option<Heights>,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The slope distribution.
+    pub distribution: DistributionSettings,
+    /// The annealing, where it is used.
+    pub annealing: Annealing,
+}
+
+impl Default for DesignSettings {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            sample: Sampling::default(),
+            arrange: Arrangement::default(),
+            heights: None,
+            distribution: DistributionSettings::default(),
+            annealing: Annealing::default(),
+        }
+    }
+}
+
+/// Ways to order facets on the plate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arrangement {
+    /// Optimal transport: a dome without valleys.
+    #[default]
+    Transport,
+    /// The 2009 paper's simulated annealing on a cyclic grid.
+    Anneal,
+    /// No order, for comparison.
+    Random,
+}
+
+/// Ways to raise facets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Heights {
+    /// Smallest steps in the mean square, edges free.
+    Free,
+    /// Smallest steps on a plate that continues into itself.
+    Cyclic,
+    /// The Poisson equation as printed in the 2009 paper, cyclic.
+    Weyrich2009,
+}
+
+impl Heights {
+    /// Whether opposite rims are neighbours.
+    pub fn is_cyclic(self) -> bool {
+        self != Self::Free
+    }
+}
+
+/// How the plate is proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
+pub struct VerifySettings {
+    /// Rays sent.
+    pub rays: u64,
+}
+
+impl Default for VerifySettings {
+    fn default() -> Self {
+        Self { rays: 2_000_000 }
+    }
+}
+
+impl Recipe {
+    /// Every choice as in the 2009 paper.
+    pub fn weyrich2009() -> Self {
+        let mut recipe = Self::default();
+        recipe.design.arrange = Arrangement::Anneal;
+        recipe.design.annealing =
+            Annealing { energy: Energy::Weyrich2009, swaps: 7_000_000, starts: 3, ..Annealing::default() };
+        recipe.design.heights = Some(Heights::Weyrich2009);
+        recipe.design.distribution = DistributionSettings { slope_cap: 65.0, level: true };
+        recipe
+    }
+
+    /// How heights are found: as asked, or cyclic where the arrangement is cyclic.
+    pub fn heights(&self) -> Heights {
+        self.design.heights.unwrap_or(match self.design.arrange {
+            Arrangement::Anneal => Heights::Cyclic,
+            Arrangement::Transport | Arrangement::Random => Heights::Free,
+        })
+    }
+
+    /// How the picture file is to be read.
+    pub fn reading(&self) -> Reading {
+        let HighlightSettings { encoding, invert, rotate, fit, seen, .. } = self.highlight;
+        Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
+    }
+
+    /// Light, image and a plate lying flat.
+    pub fn setup(&self) -> Setup {
+        let LightSettings { theta, phi, radius } = self.light;
+        let HighlightSettings { projection, half_field, .. } = self.highlight;
+        let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);
+        Setup::new(theta, phi, radius, projection, half_field)
+    }
+
+    /// Size of a facet, mm.
+    pub fn pitch(&self) -> glam::DVec2 {
+        let PlateSettings { size, facets, .. } = self.plate;
+        glam::DVec2::new(size[0] / facets[0] as f64, size[1] / facets[1] as f64)
+    }
+
+    /// As TOML.
+    pub fn to_toml(&self) -> String {
+        // Plain tables of numbers, words and one path: a path that is not UTF-8 is the one thing that cannot be said.
+        toml::to_string_pretty(self).unwrap_or_else(|error| format!("# not representable: {error}\n"))
+    }
+
+    /// From TOML; what is not said keeps its default, what is not known is an error.
+    pub fn from_toml(text: &str) -> Result<Self, RecipeError> {
+        toml::from_str(text).map_err(|error| RecipeError::Unreadable(error.message().to_owned(), line_of(text, &error)))
+    }
+}
+
+fn line_of(text: &str, error: &toml::de::Error) -> usize {
+    let before = error.span().map_or(0, |span| span.start);
+    text.as_bytes().iter().take(before).filter(|b| **b == b'\n').count() + 1
+}

@@ -1,0 +1,141 @@
+//! The facts of a design for people and machines, and a sentence of advice where one is due.
+
+use std::f64::consts::PI;
+
+use serde_json::{Map, Value, json};
+
+use super::Recipe;
+use super::run::{Design, Proof};
+use crate::distribution::Distribution;
+use crate::export::stl::stl_bytes;
+use crate::picture::Picture;
+use crate::projection::View;
+use crate::verify::verdict::Verdict;
+
+/// Everything that is known of a design, as the object that `report.json` holds. `proof` is absent if nothing was traced.
+pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option<&Proof>) -> Value {
+    let Design { distribution, relief, steps, mesh, .. } = design;
+    let (low, high) = relief.height_range();
+    let pitch = recipe.pitch();
+    let mean = distribution.mean;
+    let normal = distribution.setup.plate_normal();
+    let mut seconds: Map<String, Value> =
+        design.seconds.iter().map(|(stage, s)| ((*stage).to_owned(), json!(s))).collect();
+    seconds.insert("total".into(), json!(design.seconds.iter().map(|(_, s)| s).sum::<f64>()));
+    let mut report = json!({
+        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
+        "picture": {
+            "file": recipe.picture,
+            "width": picture.original_size.0,
+            "height": picture.original_size.1,
+            "notes": picture.notes,
+        },
+        "recipe": recipe,
+        "highlight": {
+            "below_plate": design.below_plate,
+            "beyond_cap": distribution.beyond_cap,
+            "brightest_vs_white_paper": brightest_vs_white_paper(distribution),
+        },
+        "design": {
+            "pitch_mm": [pitch.x, pitch.y],
+            "relief_height_mm": high - low,
+            "mean_slope": [mean.p, mean.q],
+            "mean_slope_deg": mean.tilt().to_degrees(),
+            "mean_slope_costs_mm": mean_slope_costs(recipe, distribution),
+            "slope_spread": distribution.spread,
+            "mount_theta_deg": normal.z.min(1.0).acos().to_degrees(),
+            "mount_phi_deg": if normal.z < 1.0 { normal.y.atan2(normal.x).to_degrees() } else { 0.0 },
+            "step_rms_mm": steps.rms,
+            "step_rms_pitch": steps.rms / pitch.min_element(),
+            "wall_area_ratio": steps.wall_area_ratio,
+            "valleys": steps.valleys,
+            "inner_valleys": steps.inner_valleys,
+            "seconds": seconds,
+        },
+        "stl": {
+            "units": "mm",
+            "triangles": mesh.triangles.len(),
+            "bytes": stl_bytes(mesh.triangles.len()),
+            "z_base_mm": low - recipe.plate.thickness,
+            "z_low_mm": low,
+            "z_high_mm": high,
+        },
+    });
+    if let Some(proof) = proof {
+        report["designed"] = proof.verdict.to_json();
+    }
+    report["advice"] = json!(advice(recipe, design, proof.map(|p| &p.verdict)));
+    report
+}
+
+/// Height that the mean slope alone costs from corner to corner, mm.
+fn mean_slope_costs(recipe: &Recipe, distribution: &Distribution) -> f64 {
+    let [x, y] = recipe.plate.size;
+    distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
+}
+
+/// How many times as bright as white paper under the same lamp the highlight's brightest spot looks.
+///
+/// The drawing fixes the highlight only up to a factor, and the plate's area fixes that factor (∫ p ds = 1): white
+/// paper of albedo 1 sends E cosθi / π everywhere, a pixel that gets the share f of all flux f E cosθi / (cosθo dω).
+fn brightest_vs_white_paper(distribution: &Distribution) -> f64 {
+    let flux = &distribution.flux;
+    let pixel = 4.0 / (flux.width * flux.height) as f64;
+    let ratios = flux.values.iter().enumerate().filter(|(_, f)| **f > 0.0).filter_map(|(k, f)| {
+        let uv = View::pixel_centre(k % flux.width, k / flux.width, flux.width, flux.height);
+        let o = distribution.setup.viewer_at(uv)?;
+        let seen = o.z * pixel * distribution.setup.view().solid_angle_density(uv);
+        (seen > 0.0).then_some(PI * f / seen)
+    });
+    ratios.fold(0.0, f64::max)
+}
+
+/// What a person should know when something is off; empty when nothing is.
+pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Vec<String> {
+    let mut advice = Vec::new();
+    let mut say = |sentence: String| advice.push(sentence);
+    let percent = |share: f64| format!("{:.1}%", 100.0 * share);
+    if design.below_plate > 0.001 {
+        let lost = percent(design.below_plate);
+        say(format!(
+            "{lost} of the picture's light lies below the plate and was left out: lower the light's angle or --half-field."
+        ));
+    }
+    if design.distribution.beyond_cap > 0.001 {
+        let (lost, cap) = (percent(design.distribution.beyond_cap), recipe.design.distribution.slope_cap);
+        say(format!(
+            "{lost} of the highlight needs facets steeper than {cap}° and was cut: raise --slope-cap or lower --half-field."
+        ));
+    }
+    let costs = mean_slope_costs(recipe, &design.distribution);
+    let (low, high) = design.relief.height_range();
+    if costs > 0.5 && costs > 0.5 * (high - low) {
+        if recipe.heights().is_cyclic() {
+            say("The highlight is off centre and the arrangement is cyclic, so its mean slope stands in walls: add --level.".into());
+        } else {
+            say(format!(
+                "The highlight is off centre, which tilts the whole relief by {costs:.1} mm: --level mounts the plate at {:.1}° instead.",
+                design.distribution.mean.tilt().to_degrees()
+            ));
+        }
+    }
+    if let Some(verdict) = verdict {
+        let tv = verdict.main().tv.value;
+        if tv > 0.05 {
+            let [columns, rows] = recipe.plate.facets;
+            say(format!(
+                "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",
+                2 * columns,
+                2 * rows
+            ));
+        }
+        if verdict.blocked.value + verdict.multi_bounce.value > 0.02 {
+            say(format!(
+                "{} of the light is blocked and {} bounces twice, on walls and valleys: --arrange transport has the fewest.",
+                percent(verdict.blocked.value),
+                percent(verdict.multi_bounce.value)
+            ));
+        }
+    }
+    advice
+}

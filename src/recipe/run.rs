@@ -1,0 +1,187 @@
+//! From a recipe and its picture to a plate, and the proof of it.
+
+use cpu_time::ProcessTime;
+
+use super::{Arrangement, Heights, Recipe, RecipeError};
+use crate::distribution::{Distribution, DistributionError};
+use crate::export::solid::{SolidError, solid};
+use crate::facets::SlopeGrid;
+use crate::facets::arrange::{anneal::anneal_best, cells::in_cells, random_order, transport};
+use crate::facets::heights::{least_squares, weyrich2009};
+use crate::facets::sample::sample;
+use crate::facets::steps::{Steps, steps};
+use crate::highlight::{Highlight, scored_target};
+use crate::progress::Progress;
+use crate::raster::Raster;
+use crate::relief::faceted::{Facet, FacetedRelief};
+use crate::relief::mesh::Mesh;
+use crate::slope::Slope;
+use crate::trace::grid::GridSurface;
+use crate::verify::measure::{Measurement, Measuring, measure};
+use crate::verify::verdict::Verdict;
+
+/// Light painted below the plate beyond which a design is refused.
+const MOST_BELOW: f64 = 0.5;
+
+/// A plate, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Share of the picture's light painted where no direction above the plate is.
+    pub below_plate: f64,
+    /// The slopes that were wanted.
+    pub distribution: Distribution,
+    /// The slopes that the facets have, in their places.
+    pub grid: SlopeGrid,
+    /// Steps, walls and valleys of the optical area.
+    pub steps: Steps,
+    /// The relief with its rim.
+    pub relief: FacetedRelief,
+    /// The closed solid.
+    pub mesh: Mesh,
+    /// CPU seconds by stage, in order.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+/// Light sent over a design, and what is said of it.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// What was wanted, 256² pixels, sum 1.
+    pub target: Raster,
+    /// What the light did.
+    pub measurement: Measurement,
+    /// The figures.
+    pub verdict: Verdict,
+}
+
+/// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
+pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<Design, DesignError> {
+    recipe.check()?;
+    let mut clock = Clock::start();
+    let [columns, rows] = recipe.plate.facets;
+    let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
+
+    progress.stage("reading slopes off the highlight");
+    let setup = recipe.setup();
+    let highlight = Highlight::new(&shrunk(light), recipe.highlight.quantity, &setup).ok_or(DesignError::AllBelow)?;
+    if highlight.below_plate > MOST_BELOW {
+        return Err(DesignError::MostlyBelow { share: highlight.below_plate });
+    }
+    let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    clock.lap("distribution");
+
+    progress.stage("drawing facets");
+    let points = sample(&distribution, columns * rows, recipe.design.sample, seed, progress);
+    let slopes = points.iter().map(|uv| distribution.setup.slope_at(*uv).unwrap_or(Slope::FLAT)).collect();
+    clock.lap("sampling");
+
+    progress.stage("arranging facets");
+    let grid = arranged(recipe, slopes, progress);
+    clock.lap("arrangement");
+    if progress.is_cancelled() {
+        return Err(DesignError::Cancelled);
+    }
+
+    progress.stage("raising facets");
+    let (periodic, heights) = match recipe.heights() {
+        Heights::Free => (false, least_squares(&grid, pitch, false)),
+        Heights::Cyclic => (true, least_squares(&grid, pitch, true)),
+        Heights::Weyrich2009 => (true, weyrich2009(&grid, pitch)),
+    };
+    let steps = steps(&grid, &heights, pitch, periodic);
+    let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
+    let size = pitch * glam::DVec2::new(columns as f64, rows as f64);
+    let relief = FacetedRelief::uniform(columns, rows, size, facets).with_rim(recipe.plate.border);
+    clock.lap("heights");
+
+    progress.stage("closing the solid");
+    let mesh = solid(&relief, recipe.plate.thickness)?;
+    clock.lap("solid");
+    Ok(Design { below_plate: highlight.below_plate, distribution, grid, steps, relief, mesh, seconds: clock.laps })
+}
+
+/// Sends light over the design's exact relief and scores what comes back against the picture.
+pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
+    progress.stage("tracing light over the relief");
+    let setup = &design.distribution.setup;
+    let surface = GridSurface::new(&design.relief);
+    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let measurement = measure(&surface, setup, &measuring, progress).ok_or(DesignError::Cancelled)?;
+    progress.stage("scoring");
+    let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
+    let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or(DesignError::NoLight)?;
+    Ok(Proof { target, measurement, verdict })
+}
+
+fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
+    let [columns, rows] = recipe.plate.facets;
+    let pitch = recipe.pitch();
+    in_cells(slopes, columns, rows, recipe.plate.cells, |slopes, columns, rows, cell| {
+        let seed = recipe.design.seed.wrapping_add(cell as u64);
+        if recipe.design.arrange == Arrangement::Transport {
+            return transport::dome(slopes, columns, rows, pitch, progress);
+        }
+        let mut grid = SlopeGrid { columns, rows, slopes };
+        random_order(&mut grid, seed);
+        if recipe.design.arrange == Arrangement::Anneal {
+            anneal_best(&mut grid, &recipe.design.annealing, seed, progress);
+        }
+        grid
+    })
+}
+
+/// Pictures finer than this are averaged for the design (the score always uses every pixel).
+const FINEST: usize = 1024;
+
+fn shrunk(light: &Raster) -> Raster {
+    let side = light.width.min(FINEST);
+    if side == light.width { light.clone() } else { light.resampled(side, side) }
+}
+
+struct Clock {
+    last: ProcessTime,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { last: ProcessTime::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, stage: &'static str) {
+        let now = ProcessTime::now();
+        self.laps.push((stage, now.duration_since(self.last).as_secs_f64()));
+        self.last = now;
+    }
+}
+
+/// Why no plate came of a recipe.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The recipe itself.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// No direction above the plate.
+    #[error("none of the picture's light lies above the plate: lower the light's angle or --half-field")]
+    AllBelow,
+    /// More than half of the light below the plate.
+    #[error(
+        "{:.0}% of the picture's light lies below the plate, where nothing can be seen: lower the light's angle or --half-field",
+        100.0 * share
+    )]
+    MostlyBelow {
+        /// Share of the picture's light.
+        share: f64,
+    },
+    /// No slopes.
+    #[error(transparent)]
+    Distribution(#[from] DistributionError),
+    /// No solid.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// The relief sends nothing into the image.
+    #[error("no light reaches the highlight image: the relief shades itself completely")]
+    NoLight,
+    /// The caller asked to stop.
+    #[error("stopped as asked; nothing was written")]
+    Cancelled,
+}

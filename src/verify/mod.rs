@@ -1,0 +1,11 @@
+//! Proof: how near the light a relief really sends is to the light that was wanted.
+
+pub mod blur;
+
+pub mod wasserstein;
+
+pub mod score;
+
+pub mod measure;
+
+pub mod verdict;

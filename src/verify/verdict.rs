@@ -1,0 +1,161 @@
+//! The figures of a measured highlight, each with its standard error.
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::measure::{Measurement, Tally};
+use super::score::{blurred_scores, efficiency};
+use super::wasserstein::exact_w1;
+use crate::progress::Progress;
+use crate::projection::View;
+use crate::raster::Raster;
+
+/// Blurs at which light is compared, degrees: a sharp eye, the lobe of polished metal, a glance.
+pub const BLURS: [f64; 3] = [0.5, 1.0, 2.0];
+
+/// The blur of the efficiency's support and of the pictures, degrees.
+pub const MAIN_BLUR: f64 = 1.0;
+
+/// Pixels a side at which W1 is computed exactly.
+const W1_RESOLUTION: usize = 64;
+
+/// A figure and its standard error.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Figure {
+    /// The value.
+    pub value: f64,
+    /// One standard error, from the rays' own scatter.
+    pub error: f64,
+}
+
+/// The scores at one blur.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtBlur {
+    /// The blur, degrees.
+    pub blur: f64,
+    /// Total variation inside the image.
+    pub tv: Figure,
+    /// Total variation as a share of upward light: what misses the image counts.
+    pub tv_up: Figure,
+    /// Total variation as a share of incident light: what is lost counts too.
+    pub tv_incident: Figure,
+    /// Structural similarity.
+    pub ssim: Figure,
+}
+
+/// What is said of a measured highlight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// Scores at each of [`BLURS`].
+    pub at_blur: [AtBlur; 3],
+    /// Exact Wasserstein distance between the drawn and the measured light, degrees.
+    pub w1: Figure,
+    /// Share of incident light that lands where the drawing is lit.
+    pub efficiency: Figure,
+    /// Share of upward light that bounced more than once.
+    pub multi_bounce: Figure,
+    /// Share of incident light that never leaves upward.
+    pub blocked: Figure,
+    /// Share of incident light that left upward but beyond the image.
+    pub outside_image: f64,
+    /// Share of incident light that met a wall first.
+    pub first_hit_wall: f64,
+    /// Share of incident light that met a face from behind: above 1e-4 the mesh leaks.
+    pub backface: f64,
+    /// Rays that came in.
+    pub rays: u64,
+}
+
+const FIGURES: usize = 4 * BLURS.len() + 3;
+
+impl Verdict {
+    /// Scores `measurement` against `target` (flux per pixel, sum 1, of the measurement's resolution).
+    ///
+    /// `None` if no light fell into the image.
+    pub fn new(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Self> {
+        let values = figures(&measurement.whole, target, view)?;
+        let errors = measurement.standard_errors(|tally| figures(tally, target, view).unwrap_or([f64::NAN; FIGURES]));
+        progress.fraction(0.5);
+        let figure = |k: usize| Figure { value: values[k], error: errors[k] };
+        let at_blur = std::array::from_fn(|b| AtBlur {
+            blur: BLURS[b],
+            tv: figure(4 * b),
+            tv_up: figure(4 * b + 1),
+            tv_incident: figure(4 * b + 2),
+            ssim: figure(4 * b + 3),
+        });
+        let whole = &measurement.whole;
+        let other = 4 * BLURS.len();
+        Some(Self {
+            at_blur,
+            w1: w1(measurement, target, view)?,
+            efficiency: figure(other),
+            multi_bounce: figure(other + 1),
+            blocked: figure(other + 2),
+            outside_image: whole.outside_image / whole.incident,
+            first_hit_wall: whole.first_hit_wall / whole.incident,
+            backface: whole.backface / whole.incident,
+            rays: whole.rays,
+        })
+    }
+
+    /// The scores at the main blur.
+    pub fn main(&self) -> &AtBlur {
+        &self.at_blur[1]
+    }
+
+    /// As the report's object: values under their names, standard errors under `error`.
+    pub fn to_json(&self) -> Value {
+        let by_blur = |pick: fn(&AtBlur) -> f64| -> Value {
+            self.at_blur.iter().map(|s| (s.blur.to_string(), json!(pick(s)))).collect::<Map<_, _>>().into()
+        };
+        json!({
+            "tv": by_blur(|s| s.tv.value),
+            "tv_up": by_blur(|s| s.tv_up.value),
+            "tv_incident": by_blur(|s| s.tv_incident.value),
+            "ssim": by_blur(|s| s.ssim.value),
+            "w1_deg": self.w1.value,
+            "efficiency": self.efficiency.value,
+            "multi_bounce": self.multi_bounce.value,
+            "blocked": self.blocked.value,
+            "outside_image": self.outside_image,
+            "first_hit_wall": self.first_hit_wall,
+            "backface": self.backface,
+            "rays": self.rays,
+            "error": {
+                "tv": by_blur(|s| s.tv.error),
+                "tv_up": by_blur(|s| s.tv_up.error),
+                "tv_incident": by_blur(|s| s.tv_incident.error),
+                "ssim": by_blur(|s| s.ssim.error),
+                "w1_deg": self.w1.error,
+                "efficiency": self.efficiency.error,
+                "multi_bounce": self.multi_bounce.error,
+                "blocked": self.blocked.error,
+            },
+        })
+    }
+}
+
+/// All figures that follow from one tally by quick arithmetic, in [`Verdict::new`]'s order.
+fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]> {
+    let (image, up) = (tally.share_image(), tally.up());
+    let mut values = [0.0; FIGURES];
+    for (b, blur) in BLURS.iter().enumerate() {
+        let scores = blurred_scores(&image, up, target, view, blur.to_radians())?;
+        values[4 * b..4 * b + 4].copy_from_slice(&[scores.tv, scores.tv_up, scores.tv_incident, scores.ssim]);
+    }
+    let rest = [efficiency(&image, up, target, view, MAIN_BLUR.to_radians()), tally.multi_bounce(), tally.blocked()];
+    values[4 * BLURS.len()..].copy_from_slice(&rest);
+    Some(values)
+}
+
+/// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
+fn w1(measurement: &Measurement, target: &Raster, view: &View) -> Option<Figure> {
+    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION);
+    let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
+    let error = match halves {
+        [Some(a), Some(b)] => 0.5 * (a - b).abs(),
+        _ => f64::NAN,
+    };
+    Some(Figure { value: value?, error })
+}
