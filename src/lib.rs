@@ -1,6 +1,135 @@
 //! facetmill turns a drawn highlight into a relief that can be milled and that really reflects it.
 //!
-//! The modules below stand in reading order, and each imports only from those above it.
+//! A picture says how bright a piece of metal shall look from each direction. The crate finds a plate of small planar
+//! mirrors whose reflection is that picture, follows light over the exact plate to prove it, and closes the plate into
+//! a solid for milling. It follows Weyrich, Peers, Matusik, Rusinkiewicz, "Fabricating Microgeometry for Custom Surface
+//! Reflectance" (SIGGRAPH 2009); `docs/method.md` in the repository has the mathematics.
+//!
+//! # From a drawing to a verdict
+//!
+//! ```
+//! use facetmill::picture::{Reading, from_raster};
+//! use facetmill::progress::Progress;
+//! use facetmill::projection::View;
+//! use facetmill::raster::Raster;
+//! use facetmill::recipe::Recipe;
+//! use facetmill::recipe::run::{design, prove};
+//!
+//! // A ring of light: numbers proportional to brightness, row 0 on top.
+//! let ring = Raster::from_fn(64, 64, |column, row| {
+//!     let uv = View::pixel_centre(column, row, 64, 64);
+//!     f64::from(u8::from((0.5..0.8).contains(&uv.length())))
+//! });
+//! let picture = from_raster(ring, &Reading::default())?;
+//!
+//! // Every setting has a default; lengths are mm, angles in a recipe degrees.
+//! let mut recipe = Recipe::default();
+//! recipe.highlight.half_field = 10.0;
+//! recipe.plate.size = [12.0, 12.0];
+//! recipe.plate.facets = [12, 12];
+//! recipe.verify.rays = 100_000;
+//!
+//! let plate = design(&recipe, &picture.light, &Progress::silent())?;
+//! assert_eq!(plate.steps.inner_valleys, 0); // a dome: a cutter fills no corner
+//! assert!(plate.steps.rms < 0.01); // mm between neighbours
+//!
+//! let proof = prove(&recipe, &picture.light, &plate, &Progress::silent())?;
+//! let main = proof.verdict.main(); // seen through a blur of 1°
+//! assert!(main.tv_incident.value < 0.02); // 98 % of all light is where the ring is
+//! assert!(main.ssim.value > 0.98);
+//!
+//! let mut file = Vec::new(); // or any other writer
+//! facetmill::export::stl::write_stl(&plate.mesh, &mut file)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # A tour in working order
+//!
+//! The modules stand in reading order, and each imports only from those above it.
+//!
+//! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fourier`] and
+//!    [`descent`] are the two numerical tools that several stages share.
+//! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
+//!    the image plane. [`setup`] ties light, image and plate together: which slope lights which point of the image.
+//! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
+//!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
+//! 4. **Wanted slopes.** [`distribution`] gives every pixel its share of the plate's area.
+//! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
+//!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
+//! 6. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
+//! 7. **Proof.** [`trace`] follows rays over the relief or over any mesh, [`verify`] collects them as an image and
+//!    scores it, each figure with its standard error.
+//! 8. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
+//! 9. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
+//!
+//! # The two frames
+//!
+//! The plate lies in a right-handed frame, its optical area from x = y = 0 to its size. Heights are z = f(x, y); the
+//! lowest point may lie below z = 0, and the base of the solid lies `thickness` below that.
+//!
+//! ```text
+//!            z   out of the plate, toward light and viewer
+//!            |
+//!      o     |     l       l  from the plate to the light:  theta from +z,
+//!        \   |   /            phi from +x, counter-clockwise seen from above
+//!         \  |  /          o  from the plate to a viewer
+//!          \ | /    y  up on the plate
+//!           \|/   /
+//!            +---/-----------------+
+//!           /   /                 /
+//!          /   /                 /
+//!         +---------------------+ -----> x  right
+//!     x = y = 0
+//! ```
+//!
+//! The highlight image is the hemisphere of viewers as a map, seen from above the plate.
+//!
+//! ```text
+//!     row 0  +---------------------+  v = +1
+//!            |          |          |
+//!            |          |          |     u right, along the plate's x
+//!            |          |          |     v up,    along the plate's y
+//!            |----------c----------|     c        where the flat plate mirrors the light,
+//!            |          |          |              (-l.x, -l.y, l.z)
+//!            |          |          |     the rim  is the half field H away from c at |u| = 1 or |v| = 1
+//!            |          |          |
+//!            +---------------------+  v = -1
+//!          u = -1                u = +1
+//! ```
+//!
+//! On a ceiling or a wall, looked at from the plate's side, this map is mirrored; see [`recipe::Seen`].
+//!
+//! # Conventions
+//!
+//! | what | here | signs and units |
+//! |---|---|---|
+//! | lengths | millimetres | everywhere, in memory and in files |
+//! | angles | radians in the library; degrees in a [`recipe::Recipe`], flags, files and reports | theta from +z, phi from +x toward +y |
+//! | slope (p, q) | gradient of the height | a surface that climbs toward +x throws light toward -x |
+//! | normal m | (-p, -q, 1)/√(1 + p² + q²) | unit, out of the metal |
+//! | l, o | from the plate to light and viewer | unit; o = 2 (l·m) m - l |
+//! | deflection | twice the tilt at normal incidence | a facet tilted by 5° throws light 10° aside |
+//! | image (u, v) | [-1, 1]², u right, v up | pixel row 0 is v = +1; half field H at the rim |
+//! | rasters | row-major, row 0 on top | a picture's light is brightness; from [`highlight`] on, flux per pixel |
+//! | slope grids, reliefs | row-major, row 0 is the lowest y | the opposite of rasters |
+//! | shares | of incident flux unless said otherwise | `multi_bounce` is a share of the flux that leaves upward |
+//! | blur | standard deviation of a Gaussian at the image centre | 0.5°, 1°, 2° in reports |
+//! | numbers | f64; f32 only in a [`relief::mesh::Mesh`], as in an STL file | |
+//! | randomness | streams from (seed, index) | same bytes for any number of threads |
+//!
+//! # Beside other systems
+//!
+//! *Optics and rendering.* As in most BSDF literature, both directions point away from the surface, theta is the polar
+//! and phi the azimuthal angle, and z is the macroscopic normal. Formats that tabulate scatter relative to the specular
+//! direction (as Zemax's) measure angles about the same c as the equidistant projection. Systems whose y axis points up
+//! need (x, y, z) to become (x, z, -y). `radiance` is the slice of the BRDF at one direction of light, up to a factor;
+//! `intensity` is that times cos θo.
+//!
+//! *Images.* Row 0 is on top, as in all picture files; v points up, as in mathematics; so v falls as rows grow.
+//!
+//! *CAD, STL and machines.* z points out of the stock toward the spindle, x right, y away from the operator, as on a
+//! vertical mill; the origin is the lower-left corner of the optical area. STL has no units: files say mm in their
+//! header. Triangles turn counter-clockwise seen from outside.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]

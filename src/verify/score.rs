@@ -83,12 +83,12 @@ pub fn efficiency(image: &Raster, up: f64, target: &Raster, view: &View, blur: f
     landed * up
 }
 
-/// Standard deviation `blur` (radians at the image centre) in pixels along rows and along columns; zero if senseless.
 /// `image` seen through a Gaussian blur of `blur` radians at the image centre; light spread over the rim is lost.
 pub fn blurred(image: &Raster, view: &View, blur: f64) -> Raster {
     gaussian(image, blur_pixels(image, view, blur), 5.0, Edge::Dark)
 }
 
+/// Standard deviation `blur` (radians at the image centre) in pixels along rows and along columns; zero if senseless.
 fn blur_pixels(image: &Raster, view: &View, blur: f64) -> (f64, f64) {
     let [x, y] = [image.width, image.height].map(|resolution| view.blur_pixels(blur, resolution));
     // Infinite pixels have no aspect ratio.

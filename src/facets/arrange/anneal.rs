@@ -44,8 +44,8 @@ use crate::progress::Progress;
 #[serde(rename_all = "lowercase")]
 pub enum Energy {
     /// E = C + W + 0.3 s² V, with W = Σ (step at the middle of the edge)² over all edges, for the heights of
-    /// [`least_squares`](crate::facets::heights::least_squares), and s² the mean squared distance of the slopes from
-    /// their mean, so that faint and bold highlights are treated alike.
+    /// [`least_squares`], and s² the mean squared distance of the slopes from their mean, so that faint and bold
+    /// highlights are treated alike.
     ///
     /// C looks from one cell to the next and I at whole rows; slopes that drift slowly over the plate cost little of
     /// either and yet may be the gradient of no surface. W notices at every scale. Heights are held between two
