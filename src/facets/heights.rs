@@ -1,14 +1,12 @@
 //! How high each facet stands so that the walls between neighbours come out low: Poisson's equation on the grid.
 
-use std::f64::consts::PI;
-use std::sync::Arc;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
-use rayon::prelude::*;
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use rustfft::num_complex::Complex64;
 
 use crate::facets::SlopeGrid;
+use crate::fourier::Fourier;
 
 /// Heights (mm, at the middles of the cells, in the grid's order, mean zero) whose walls are lowest in the least
 /// squares: they minimise the integral of the squared step over all shared edges, those across the rim included if
@@ -44,17 +42,16 @@ pub struct LeastSquares {
 impl LeastSquares {
     /// For grids of `columns` × `rows` cells of `pitch` mm.
     pub fn new(columns: usize, rows: usize, pitch: DVec2, periodic: bool) -> Self {
-        let waves = if periodic { Waves::Cyclic } else { Waves::Free };
-        Self { pitch, periodic, poisson: Poisson::new(columns, rows, DVec2::new(pitch.y, pitch.x), waves) }
+        Self { pitch, periodic, poisson: Poisson::new(columns, rows, DVec2::new(pitch.y, pitch.x), periodic) }
     }
 
     /// Heights of the facets of `grid`, which must have the size announced.
     pub fn heights(&self, grid: &SlopeGrid) -> Vec<f64> {
         let cell = self.pitch.x * self.pitch.y;
-        let mut field = vec![Complex::ZERO; grid.cells()];
+        let mut field = vec![0.0; grid.cells()];
         let mut pull = |a: usize, b: usize, climb: f64| {
-            field[b].re += 0.5 * cell * climb;
-            field[a].re -= 0.5 * cell * climb;
+            field[b] += 0.5 * cell * climb;
+            field[a] -= 0.5 * cell * climb;
         };
         for (a, b) in grid.x_pairs(self.periodic) {
             pull(a, b, grid.slopes[a].p + grid.slopes[b].p);
@@ -73,7 +70,7 @@ impl LeastSquares {
 /// (g_x(x+1) - g_x(x-1))/2. On square cells [`least_squares`] is the same equation without the smoothing, p in place
 /// of g, and so the one whose walls are lower.
 pub fn weyrich2009(grid: &SlopeGrid, pitch: DVec2) -> Vec<f64> {
-    let mut field = vec![Complex::ZERO; grid.cells()];
+    let mut field = vec![0.0; grid.cells()];
     let (columns, rows) = (grid.columns, grid.rows);
     // ½(g(+1) - g(-1)) with the smoothing written out: ⅛s(+2) + ¼s(+1) - ¼s(-1) - ⅛s(-2).
     const TAPS: [(usize, f64); 2] = [(2, 0.125), (1, 0.25)];
@@ -84,158 +81,42 @@ pub fn weyrich2009(grid: &SlopeGrid, pitch: DVec2) -> Vec<f64> {
             let (x, y) = (reach % columns, reach % rows);
             let dp = grid.at((i + x) % columns, j).p - grid.at((i + columns - x) % columns, j).p;
             let dq = grid.at(i, (j + y) % rows).q - grid.at(i, (j + rows - y) % rows).q;
-            value.re -= tap * (dp / pitch.x + dq / pitch.y);
+            *value -= tap * (dp / pitch.x + dq / pitch.y);
         }
     }
-    Poisson::new(columns, rows, DVec2::new(pitch.x.powi(-2), pitch.y.powi(-2)), Waves::Cyclic).solve(field)
+    Poisson::new(columns, rows, DVec2::new(pitch.x.powi(-2), pitch.y.powi(-2)), true).solve(field)
 }
 
 /// Σ_n w (c_k - c_n) = field_k on a grid, with `weight.x` on x-edges and `weight.y` on y-edges, ready to be solved.
 struct Poisson {
     weight: DVec2,
-    x: Transform,
-    y: Transform,
+    fourier: Fourier,
+    /// What the second difference does to each wave along x and y.
+    eigenvalues: [Vec<f64>; 2],
 }
 
 impl Poisson {
-    fn new(columns: usize, rows: usize, weight: DVec2, waves: Waves) -> Self {
-        Self { weight, x: Transform::new(columns, waves), y: Transform::new(rows, waves) }
+    /// On a cyclic grid waves diagonalise the second difference, on a free one cosines.
+    fn new(columns: usize, rows: usize, weight: DVec2, periodic: bool) -> Self {
+        let (fourier, turn) = match periodic {
+            true => (Fourier::new(columns, rows), TAU),
+            false => (Fourier::cosines(columns, rows), PI),
+        };
+        // 4 sin² of half the phase from cell to cell, exactly 0 for the mean.
+        let eigenvalue = |k: usize, n: usize| 4.0 * (0.5 * turn * k as f64 / n as f64).sin().powi(2);
+        let eigenvalues = [columns, rows].map(|n| (0..n).map(|k| eigenvalue(k, n)).collect());
+        Self { weight, fourier, eigenvalues }
     }
 
     /// The mean-zero solution c for one field, in the grid's order.
-    fn solve(&self, mut field: Vec<Complex<f64>>) -> Vec<f64> {
-        if field.is_empty() {
-            return Vec::new();
-        }
-        let Self { weight, x, y } = self;
-        x.forward(&mut field);
-        let mut field = transposed(&field, x.length);
-        y.forward(&mut field);
-        for (line, along) in field.chunks_exact_mut(y.length).zip(&x.eigenvalues) {
-            for (value, across) in line.iter_mut().zip(&y.eigenvalues) {
-                let eigenvalue = weight.x * along + weight.y * across;
-                *value = if eigenvalue > 0.0 { *value / eigenvalue } else { Complex::ZERO };
-            }
-        }
-        y.inverse(&mut field);
-        let mut field = transposed(&field, y.length);
-        x.inverse(&mut field);
-        field.into_iter().map(|value| value.re).collect()
-    }
-}
-
-/// Below so many cells, handing lines to threads costs more than it saves.
-const WORTH_THREADS: usize = 1 << 14;
-
-/// What diagonalises the second difference along a line of cells.
-#[derive(Clone, Copy, PartialEq)]
-enum Waves {
-    /// Both ends joined: exp(2πi k x/n).
-    Cyclic,
-    /// Even reflection about both ends: cos(πk (x+½)/n).
-    Free,
-}
-
-/// The transform of all lines of a field, and back.
-struct Transform {
-    length: usize,
-    waves: Waves,
-    forward: Arc<dyn Fft<f64>>,
-    inverse: Arc<dyn Fft<f64>>,
-    /// exp(-iπk/2n), which turns the spectrum of the folded line into cosines.
-    twiddles: Vec<Complex<f64>>,
-    /// What the second difference does to each wave: 4 sin² of half the phase from cell to cell, exactly 0 for the mean.
-    eigenvalues: Vec<f64>,
-}
-
-impl Transform {
-    fn new(length: usize, waves: Waves) -> Self {
-        let mut planner = FftPlanner::new();
-        let turn = if waves == Waves::Cyclic { 2.0 * PI } else { PI };
-        let eigenvalue = |k: usize| 4.0 * (0.5 * turn * k as f64 / length as f64).sin().powi(2);
-        let twiddle = |k: usize| Complex::from_polar(1.0, -PI * k as f64 / (2 * length) as f64);
-        Self {
-            length,
-            waves,
-            forward: planner.plan_fft_forward(length),
-            inverse: planner.plan_fft_inverse(length),
-            twiddles: (0..length).map(twiddle).collect(),
-            eigenvalues: (0..length).map(eigenvalue).collect(),
-        }
-    }
-
-    fn each_line(&self, field: &mut [Complex<f64>], work: impl Fn(&mut [Complex<f64>], &mut [Complex<f64>]) + Sync) {
-        // Spare room for one line to be folded into and for the transform itself.
-        let scratch = self.forward.get_inplace_scratch_len().max(self.inverse.get_inplace_scratch_len());
-        let room = || vec![Complex::ZERO; self.length + scratch];
-        if field.len() < WORTH_THREADS {
-            let mut spare = room();
-            return field.chunks_exact_mut(self.length).for_each(|line| work(line, &mut spare));
-        }
-        field.par_chunks_exact_mut(self.length).for_each_init(room, |spare, line| work(line, spare));
-    }
-
-    /// Waves or cosines of every line. For cosines the line is folded (even cells ascending, then odd cells
-    /// descending), whose spectrum V gives C_k = (t_k V_k + t̄_k V_{n-k})/2 with t = `twiddles` (Makhoul 1980).
-    fn forward(&self, field: &mut [Complex<f64>]) {
-        let n = self.length;
-        self.each_line(field, |line, spare| {
-            if self.waves == Waves::Cyclic {
-                return self.forward.process_with_scratch(line, spare);
-            }
-            let (folded, scratch) = spare.split_at_mut(n);
-            for (x, &value) in line.iter().enumerate() {
-                folded[fold(x, n)] = value;
-            }
-            self.forward.process_with_scratch(folded, scratch);
-            for (k, value) in line.iter_mut().enumerate() {
-                *value = 0.5 * (self.twiddles[k] * folded[k] + self.twiddles[k].conj() * folded[(n - k) % n]);
-            }
+    fn solve(&self, mut field: Vec<f64>) -> Vec<f64> {
+        let Self { weight, fourier, eigenvalues: [x, y] } = self;
+        fourier.filter(&mut field, |i, j| {
+            let eigenvalue = weight.x * x[i] + weight.y * y[j];
+            Complex64::from(if eigenvalue > 0.0 { 1.0 / eigenvalue } else { 0.0 })
         });
+        field
     }
-
-    /// Undoes [`forward`](Self::forward): V_k = t̄_k (C_k - i C_{n-k}), C_n = 0.
-    fn inverse(&self, field: &mut [Complex<f64>]) {
-        let n = self.length;
-        let scale = 1.0 / n as f64;
-        self.each_line(field, |line, spare| {
-            if self.waves == Waves::Cyclic {
-                self.inverse.process_with_scratch(line, spare);
-                return line.iter_mut().for_each(|value| *value *= scale);
-            }
-            let (folded, scratch) = spare.split_at_mut(n);
-            for (k, value) in folded.iter_mut().enumerate() {
-                let mirrored = if k == 0 { Complex::ZERO } else { line[n - k] };
-                *value = self.twiddles[k].conj() * (line[k] - Complex::<f64>::I * mirrored) * scale;
-            }
-            self.inverse.process_with_scratch(folded, scratch);
-            for (x, value) in line.iter_mut().enumerate() {
-                *value = folded[fold(x, n)];
-            }
-        });
-    }
-}
-
-/// Where cell x of a line of n goes when it is folded.
-const fn fold(x: usize, n: usize) -> usize {
-    if x.is_multiple_of(2) { x / 2 } else { n - 1 - x / 2 }
-}
-
-/// Lines of `length` become columns.
-fn transposed(field: &[Complex<f64>], length: usize) -> Vec<Complex<f64>> {
-    let lines = field.len() / length;
-    let mut out = vec![Complex::ZERO; field.len()];
-    let gather = |(k, line): (usize, &mut [Complex<f64>])| {
-        for (j, value) in line.iter_mut().enumerate() {
-            *value = field[j * length + k];
-        }
-    };
-    if field.len() < WORTH_THREADS {
-        out.chunks_exact_mut(lines).enumerate().for_each(gather);
-    } else {
-        out.par_chunks_exact_mut(lines).enumerate().for_each(gather);
-    }
-    out
 }
 
 #[cfg(test)]
