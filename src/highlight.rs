@@ -27,6 +27,8 @@ pub struct Highlight {
     pub flux: Raster,
     /// Share of the picture's light painted where no direction above the plate is.
     pub below_plate: f64,
+    /// What the picture's values said.
+    pub quantity: Quantity,
 }
 
 impl Highlight {
@@ -35,7 +37,8 @@ impl Highlight {
     /// `None` if no light is painted above the plate.
     pub fn new(light: &Raster, quantity: Quantity, setup: &Setup) -> Option<Self> {
         let uv = |k| View::pixel_centre(k % light.width, k / light.width, light.width, light.height);
-        let mut flux = flux_per_pixel(light, quantity, setup);
+        let light = relative(light);
+        let mut flux = flux_per_pixel(&light, quantity, setup);
         let reachable: Vec<bool> =
             (0..light.values.len()).into_par_iter().map(|k| setup.viewer_at(uv(k)).is_some()).collect();
         let (mut painted, mut lost) = (0.0, 0.0);
@@ -47,7 +50,27 @@ impl Highlight {
             }
         }
         let total = flux.sum();
-        (total > 0.0 && total.is_finite()).then(|| Self { flux: flux.scaled(1.0 / total), below_plate: lost / painted })
+        let sound = total > 0.0 && total.is_finite();
+        sound.then(|| Self { flux: flux.normalised(), below_plate: lost / painted, quantity })
+    }
+
+    /// The same picture asked of a plate that lies as in `mounted` instead of as in `flat`, for which this was read.
+    ///
+    /// A plate's brightness is seen foreshortened, L = I / cos θo: turned toward a viewer it must send more light there
+    /// to look as bright. Other quantities do not ask how the plate lies. Light below the plate as mounted stays.
+    pub fn remounted(&self, flat: &Setup, mounted: &Setup) -> Self {
+        let mut highlight = self.clone();
+        if self.quantity == Quantity::Radiance {
+            let Raster { width, height, .. } = self.flux;
+            highlight.flux.values.par_iter_mut().enumerate().filter(|(_, flux)| **flux > 0.0).for_each(|(k, flux)| {
+                let uv = View::pixel_centre(k % width, k / width, width, height);
+                if let (Some(before), Some(after)) = (flat.viewer_at(uv), mounted.viewer_at(uv)) {
+                    *flux *= after.z / before.z;
+                }
+            });
+            highlight.flux = highlight.flux.normalised();
+        }
+        highlight
     }
 }
 
@@ -57,9 +80,16 @@ impl Highlight {
 /// weights at the picture's own resolution, then resampling by areas. As there, [`Quantity::Flux`] keeps
 /// light painted below the plate as light that must be missed.
 pub fn scored_target(light: &Raster, quantity: Quantity, setup: &Setup, resolution: usize) -> Raster {
-    let target = flux_per_pixel(light, quantity, setup).resampled(resolution, resolution);
+    let target = flux_per_pixel(&relative(light), quantity, setup).resampled(resolution, resolution);
     let total = target.sum();
-    if total > 0.0 { target.scaled(1.0 / total) } else { target }
+    if total > 0.0 { target.normalised() } else { target }
+}
+
+/// `light` in units of its brightest pixel, so that no sum overflows and none is too small to divide by.
+fn relative(light: &Raster) -> Raster {
+    let brightest = light.max();
+    let unit = if brightest > 0.0 { brightest } else { 1.0 };
+    Raster { values: light.values.iter().map(|v| v / unit).collect(), ..*light }
 }
 
 /// Pixel values times what turns them into flux: I = L cos θo, flux = I dω.
@@ -114,5 +144,35 @@ mod tests {
         assert!((highlight.flux.sum() - 1.0).abs() < 1e-12);
         let dark = Raster::from_fn(64, 64, |x, _| f64::from(u8::from(x == 0)));
         assert_eq!(Highlight::new(&dark, Quantity::Intensity, &setup), None);
+    }
+
+    #[test]
+    fn only_proportions_count_from_the_faintest_pictures_to_the_brightest() {
+        let setup = Setup::new(0.4, 1.0, 0.0, Projection::Equidistant, 0.3);
+        let light = Raster::from_fn(8, 8, |x, y| (x * y) as f64);
+        for quantity in [Quantity::Radiance, Quantity::Intensity, Quantity::Flux] {
+            let plain = Highlight::new(&light, quantity, &setup).unwrap();
+            for exponent in [-1070, -1000, 1000] {
+                let scaled = light.clone().scaled(2f64.powi(exponent / 2)).scaled(2f64.powi(exponent / 2));
+                assert_eq!(Highlight::new(&scaled, quantity, &setup).as_ref(), Some(&plain), "2^{exponent}");
+                assert_eq!(scored_target(&scaled, quantity, &setup, 4), scored_target(&light, quantity, &setup, 4));
+            }
+        }
+        assert_eq!(Highlight::new(&Raster::zeros(8, 8), Quantity::Flux, &setup), None);
+        assert_eq!(Highlight::new(&Raster::zeros(0, 0), Quantity::Flux, &setup), None);
+    }
+
+    #[test]
+    fn a_remounted_highlight_is_the_one_read_for_that_mounting() {
+        let flat = Setup::new(0.3, 2.0, 0.0, Projection::Orthographic, 0.4);
+        let mounted = flat.mounted(crate::slope::direction(0.25, -1.0));
+        let light = Raster::from_fn(16, 16, |x, y| (x + y * y) as f64);
+        for quantity in [Quantity::Radiance, Quantity::Intensity, Quantity::Flux] {
+            let read = Highlight::new(&light, quantity, &mounted).unwrap();
+            let turned = Highlight::new(&light, quantity, &flat).unwrap().remounted(&flat, &mounted);
+            let error =
+                read.flux.values.iter().zip(&turned.flux.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(error < 1e-15, "{quantity:?}: {error}");
+        }
     }
 }

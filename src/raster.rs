@@ -44,6 +44,13 @@ impl Raster {
         self
     }
 
+    /// Every value divided by their sum, which must not be zero. Dividing serves sums that have no finite reciprocal.
+    pub fn normalised(mut self) -> Self {
+        let total = self.sum();
+        self.values.iter_mut().for_each(|v| *v /= total);
+        self
+    }
+
     /// Resampled to `width` × `height` by areas: the sum of all values does not change.
     pub fn resampled(&self, width: usize, height: usize) -> Self {
         let columns = Overlap::new(self.width, width);
