@@ -131,3 +131,95 @@ fn even_smooth(n: usize) -> usize {
     };
     (n..).find(|&m| m.is_multiple_of(2) && smooth(m)).unwrap_or(n)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::distribution::DistributionSettings;
+    use crate::facets::sample::{Sampling, sample};
+    use crate::highlight::{Highlight, Quantity};
+    use crate::projection::{Projection, View};
+    use crate::raster::Raster;
+    use crate::setup::Setup;
+
+    fn distribution(theta: f64, light: &Raster) -> Distribution {
+        let setup = Setup::new(theta, 0.4, 0.0, Projection::Equidistant, 0.35);
+        let highlight = Highlight::new(light, Quantity::Flux, &setup).unwrap();
+        Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap()
+    }
+
+    fn wedge() -> Raster {
+        Raster::from_fn(48, 48, |x, y| if x + y < 60 && x > 8 { 1.0 + y as f64 / 16.0 } else { 0.0 })
+    }
+
+    fn flat(points: &[DVec2]) -> Vec<f64> {
+        points.iter().flat_map(|p| p.to_array()).collect()
+    }
+
+    fn loss(field: &Field<'_>, points: &[DVec2]) -> f64 {
+        field.loss(&flat(points), &mut vec![0.0; 2 * points.len()])
+    }
+
+    #[test]
+    fn refinement_only_lowers_the_blurred_loss() {
+        for theta in [0.0, 1.0] {
+            let wanted = distribution(theta, &wedge());
+            for (n, sampling) in [(1, Sampling::Random), (5, Sampling::Sobol), (120, Sampling::Random)] {
+                // Drawn points are moved by nothing else; random ones have far to go.
+                let start = sample(&wanted, n, sampling, 9, &Progress::silent());
+                let field = Field::new(&wanted, n);
+                let (before, after) = (loss(&field, &start), {
+                    let moved = refined(&wanted, start.clone(), &Progress::silent());
+                    assert_eq!(moved.len(), n);
+                    loss(&field, &moved)
+                });
+                assert!(after <= before, "{n}: {before} {after}");
+                assert!(n < 100 || after < 0.05 * before, "{n}: {before} {after}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_perfect_lattice_of_an_even_highlight_hardly_moves() {
+        let wanted = distribution(0.0, &Raster::from_fn(60, 60, |_, _| 1.0));
+        let lattice: Vec<DVec2> = (0..144).map(|k| View::pixel_centre(k % 12, k / 12, 12, 12)).collect();
+        let moved = refined(&wanted, lattice.clone(), &Progress::silent());
+        let farthest = lattice.iter().zip(&moved).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        assert!(farthest < 0.1 / 6.0, "{farthest}");
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_loss() {
+        // Exact where every facet sends the same light, at normal incidence; elsewhere the change of a facet's own
+        // flux as it moves is left out, which must not turn the descent around.
+        for (theta, alike) in [(0.0, 0.9999), (1.0, 0.98)] {
+            let wanted = distribution(theta, &wedge());
+            let points = sample(&wanted, 40, Sampling::Random, 2, &Progress::silent());
+            let field = Field::new(&wanted, points.len());
+            let mut x = flat(&points);
+            let mut gradient = vec![0.0; x.len()];
+            field.loss(&x, &mut gradient);
+            let mut scratch = vec![0.0; x.len()];
+            let step = 1e-6;
+            let measured: Vec<f64> = (0..x.len())
+                .map(|k| {
+                    let at = x[k];
+                    let [up, down] = [step, -step].map(|d| {
+                        x[k] = at + d;
+                        field.loss(&x, &mut scratch)
+                    });
+                    x[k] = at;
+                    (up - down) / (2.0 * step)
+                })
+                .collect();
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let cosine = dot(&gradient, &measured) / (dot(&gradient, &gradient) * dot(&measured, &measured)).sqrt();
+            assert!(cosine > alike, "{theta}: {cosine}");
+        }
+    }
+
+    #[test]
+    fn grid_sizes_are_even_and_smooth() {
+        assert_eq!([1, 31, 97, 148, 257].map(even_smooth), [2, 32, 100, 150, 270]);
+    }
+}
