@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 pub struct Descent {
     /// Steps at the most.
     pub steps: usize,
-    /// Pairs of moves and gradient changes remembered.
+    /// Pairs of moves and gradient changes remembered, one at the least.
     pub memory: usize,
     /// Ends when a step lowers the value by less than this share of it.
     pub tolerance: f64,
@@ -37,6 +37,10 @@ pub fn minimise(x: &mut [f64], settings: &Descent, mut objective: impl FnMut(&[f
             direction.iter_mut().for_each(|d| *d *= settings.first_move / largest);
         }
         let descent = dot(&gradient, &direction);
+        // Downhill but for rounding, or a gradient that is not a number.
+        if descent.is_nan() || descent >= 0.0 {
+            break;
+        }
         let mut length = 1.0;
         let lowered = loop {
             for k in 0..n {
@@ -56,7 +60,7 @@ pub fn minimise(x: &mut [f64], settings: &Descent, mut objective: impl FnMut(&[f
         let change: Vec<f64> = trial_gradient.iter().zip(&gradient).map(|(new, old)| new - old).collect();
         let curvature = dot(&moved, &change);
         if curvature > 1e-12 * dot(&change, &change).sqrt() * dot(&moved, &moved).sqrt() {
-            if past.len() == settings.memory {
+            if past.len() >= settings.memory.max(1) {
                 past.pop_front();
             }
             past.push_back((moved, change, 1.0 / curvature));
@@ -123,6 +127,27 @@ mod tests {
             a * a + 100.0 * b * b
         });
         assert!(value < 1e-12 && (x[0] - 1.0).abs() < 1e-5, "{value} {x:?}");
+    }
+
+    #[test]
+    fn odd_objectives_end_where_they_began() {
+        let settings = Descent { steps: 5, memory: 0, tolerance: 0.0, first_move: 1.0 };
+        assert_eq!(minimise(&mut [], &settings, |_, _| 7.0), 7.0);
+        for slope in [0.0, f64::NAN, f64::INFINITY] {
+            let mut x = [1.0, 2.0];
+            minimise(&mut x, &settings, |x, g| {
+                g.fill(slope);
+                x[0]
+            });
+            assert_eq!(x, [1.0, 2.0]);
+        }
+        // Nothing remembered is steepest descent with one pair: still downhill.
+        let mut x = [3.0, -1.0];
+        let bowl = |x: &[f64], g: &mut [f64]| {
+            (g[0], g[1]) = (2.0 * x[0], 20.0 * x[1]);
+            x[0] * x[0] + 10.0 * x[1] * x[1]
+        };
+        assert!(minimise(&mut x, &Descent { steps: 30, ..settings }, bowl) < 1e-6);
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl View {
     /// Pixel (column, row) of a `width` × `height` image in which `uv` falls, if inside.
     pub fn pixel_at(uv: DVec2, width: usize, height: usize) -> Option<(usize, usize)> {
         let inside = uv.x >= -1.0 && uv.x < 1.0 && uv.y > -1.0 && uv.y <= 1.0;
-        inside.then(|| {
+        (inside && width > 0 && height > 0).then(|| {
             let column = ((uv.x + 1.0) * 0.5 * width as f64) as usize;
             let row = ((1.0 - uv.y) * 0.5 * height as f64) as usize;
             (column.min(width - 1), row.min(height - 1))

@@ -10,6 +10,9 @@ const FREE: usize = usize::MAX;
 /// worst; on smooth costs the bidding leaves few rows.
 pub fn cheapest_assignment(n: usize, cost: &[f64]) -> Vec<usize> {
     debug_assert_eq!(cost.len(), n * n);
+    if n == 0 {
+        return Vec::new();
+    }
     let mut market = Market { n, cost, column_of: vec![FREE; n], row_of: vec![FREE; n], price: vec![0.0; n] };
     market.reduce_columns();
     for _ in 0..2 {

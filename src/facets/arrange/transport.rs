@@ -33,11 +33,12 @@ pub fn dome(slopes: Vec<Slope>, columns: usize, rows: usize, pitch: DVec2, progr
     let mut grid = sorted(slopes, columns, rows);
     if columns * rows <= EXACT {
         let cells: Vec<usize> = (0..columns * rows).collect();
-        reassign(&mut grid, &cells, pitch);
+        grid.slopes = assigned(&grid, &cells, pitch);
     } else {
         window_by_window(&mut grid, pitch, progress);
-        bubble(&mut grid);
     }
+    // Of the exact order only rounding is left: slopes that differ by less than the sums can tell.
+    bubble(&mut grid);
     grid
 }
 
@@ -116,18 +117,11 @@ fn combs(n: usize, stride: usize, shifted: usize) -> Vec<Vec<usize>> {
     combs
 }
 
-fn reassign(grid: &mut SlopeGrid, cells: &[usize], pitch: DVec2) {
-    let slopes = assigned(grid, cells, pitch);
-    for (&cell, slope) in cells.iter().zip(slopes) {
-        grid.slopes[cell] = slope;
-    }
-}
-
 /// The slopes of `cells` in the order that maximises Σ -s·x over those cells.
 fn assigned(grid: &SlopeGrid, cells: &[usize], pitch: DVec2) -> Vec<Slope> {
     let n = cells.len();
     let at = |cell: usize| DVec2::new((cell % grid.columns) as f64, (cell / grid.columns) as f64) * pitch;
-    let origin = at(cells[n / 2]);
+    let origin = cells.get(n / 2).map_or(DVec2::ZERO, |&cell| at(cell));
     let places: Vec<DVec2> = cells.iter().map(|&cell| at(cell) - origin).collect();
     let slopes: Vec<Slope> = cells.iter().map(|&cell| grid.slopes[cell]).collect();
     let cost: Vec<f64> = places.iter().flat_map(|x| slopes.iter().map(move |s| s.to_vec().dot(*x))).collect();
