@@ -89,8 +89,7 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
     };
     let steps = steps(&grid, &heights, pitch, periodic);
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
-    let size = pitch * glam::DVec2::new(columns as f64, rows as f64);
-    let relief = FacetedRelief::uniform(columns, rows, size, facets).with_rim(recipe.plate.border);
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
     clock.lap("heights");
 
     progress.stage("closing the solid");
@@ -105,10 +104,11 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let setup = &design.distribution.setup;
     let surface = GridSurface::new(&design.relief);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
-    let measurement = measure(&surface, setup, &measuring, progress).ok_or(DesignError::Cancelled)?;
+    let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
+    let measurement = measure(&surface, setup, &measuring, progress).ok_or_else(unlit)?;
     progress.stage("scoring");
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
-    let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or(DesignError::NoLight)?;
+    let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
     Ok(Proof { target, measurement, verdict })
 }
 

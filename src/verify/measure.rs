@@ -234,7 +234,8 @@ impl RayGrid {
             (low.min(low + shift), high.max(high + shift))
         };
         let size = high - low;
-        let rows = ((rays as f64 * size.y / size.x).sqrt().round() as usize).max(1);
+        // Square strata, but on the narrowest of plates at least one row a part.
+        let rows = ((rays as f64 * size.y / size.x).sqrt().round() as usize).max(PARTS);
         let columns = ((rays as f64 / rows as f64).round() as usize).max(1);
         Self { low, size, z: top + lift, columns, rows, light, axes: carried_axes(light), radius }
     }
