@@ -2,9 +2,6 @@
 
 use super::Recipe;
 
-/// TOML's whole numbers end here, and a recipe must survive being written.
-const MOST_SEED: u64 = i64::MAX as u64;
-
 /// Facets on one plate at the most.
 const MOST_FACETS: usize = 4_000_000;
 
@@ -28,9 +25,12 @@ impl Recipe {
         within("facets", plate.facets[1] as f64, 1.0, MOST_FACETS as f64)?;
         within("cells", plate.cells as f64, 1.0, MOST_FACETS as f64)?;
         within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
-        if self.design.seed > MOST_SEED {
-            return Err(RecipeError::SeedTooLarge { seed: self.design.seed });
-        }
+        // What TOML can write back.
+        within("seed", self.design.seed as f64, 0.0, 9.2e18)?;
+        let annealing = &self.design.annealing;
+        within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
+        within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
+        within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
         let [columns, rows] = plate.facets;
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
@@ -77,12 +77,6 @@ pub enum RecipeError {
         /// Most possible.
         high: f64,
     },
-    /// A seed that a recipe file cannot hold.
-    #[error("seed is {seed}: it must be from 0 to {MOST_SEED}")]
-    SeedTooLarge {
-        /// The seed.
-        seed: u64,
-    },
     /// Facets do not divide into cells.
     #[error(
         "{columns}x{rows} facets do not divide into {cells}x{cells} cells: take --facets {near_columns}x{near_rows}, or other --cells"
@@ -120,7 +114,7 @@ pub enum RecipeError {
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::SeedTooLarge { .. })
+        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. })
     }
 }
 
@@ -156,8 +150,9 @@ mod tests {
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets[0] = 0)), "facets");
         assert_eq!(named(refused(|r| r.plate.cells = 0)), "cells");
-        let error = refused(|r| r.design.seed = u64::MAX);
-        assert!(!error.is_impossible() && error.to_string().starts_with("seed is 18446744073709551615"), "{error}");
+        assert_eq!(named(refused(|r| r.design.seed = u64::MAX)), "seed");
+        assert_eq!(named(refused(|r| r.design.annealing.valleys = f64::NAN)), "annealing.valleys");
+        assert_eq!(named(refused(|r| r.design.annealing.starts = 0)), "annealing.starts");
         let error = refused(|r| r.plate.cells = 4);
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(refused(|r| r.plate.facets = [3000, 3000]).is_impossible());
