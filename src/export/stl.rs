@@ -271,10 +271,10 @@ pub enum StlError {
     #[error("the STL file cannot be read: {0}")]
     Io(#[from] io::Error),
     /// Neither kind of STL file.
-    #[error("the file is neither a binary nor a text STL")]
+    #[error("the file is neither a binary nor a text STL; name the plate's STL file")]
     NotStl,
     /// A binary file whose length does not fit its count of triangles.
-    #[error("the STL file promises {promised} triangles but holds {room}; it is truncated or damaged")]
+    #[error("the STL file promises {promised} triangles but holds {room}; it is truncated, damaged or no STL at all")]
     Length {
         /// Triangles by the file's own count.
         promised: u32,

@@ -343,27 +343,27 @@ fn unit(direction: DVec3) -> Option<DVec3> {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MeshSurfaceError {
     /// No triangles at all.
-    #[error("The mesh has no triangles.")]
+    #[error("the mesh has no triangles")]
     Empty,
     /// A coordinate is infinite or not a number.
-    #[error("Vertex {vertex} of the mesh has a coordinate that is not a finite number.")]
+    #[error("vertex {vertex} of the mesh has a coordinate that is not a finite number")]
     NotFinite {
         /// Its index.
         vertex: usize,
     },
     /// An index points past the list of vertices.
-    #[error("Triangle {triangle} of the mesh names a vertex that does not exist.")]
+    #[error("triangle {triangle} of the mesh names a vertex that does not exist")]
     NoSuchVertex {
         /// Its index.
         triangle: usize,
     },
     /// Nothing would reflect light upward.
     #[error(
-        "No triangle of the mesh faces up, so there is no relief to trace: is it upside down or turned inside out?"
+        "no triangle of the mesh faces up, so there is no relief to trace: is it upside down or turned inside out?"
     )]
     NoRelief,
     /// The optical area would be empty, or wider than the plate.
-    #[error("A margin of {margin} mm is negative or leaves nothing of the plate.")]
+    #[error("a margin of {margin} mm is negative or leaves nothing of the plate")]
     Margin {
         /// As asked for, mm.
         margin: f64,
