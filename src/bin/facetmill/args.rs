@@ -1,18 +1,23 @@
 //! The command line, and how it becomes a recipe.
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use facetmill::facets::sample::Sampling;
-use facetmill::highlight::Quantity;
-use facetmill::picture::{Encoding, Fit};
-use facetmill::projection::Projection;
-use facetmill::recipe::{Arrangement, Heights, Recipe, Seen, SurfaceKind};
+use clap::{ArgAction, Args, Parser, Subcommand};
+use facetmill::picture::Encoding;
+use facetmill::recipe::Recipe;
+
+use crate::values::*;
 
 /// Turns a drawn highlight into a relief that can be milled and that really reflects it.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 110, arg_required_else_help = true)]
+#[command(after_help = "\
+First steps:
+  facetmill design ring.png -o ring     then look at ring/comparison.png and mill ring/plate.stl
+  facetmill design --help               what each setting means, in millimetres and degrees
+
+Exit codes: 0 done, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
+5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind.")]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -22,12 +27,22 @@ pub struct Cli {
 pub enum Command {
     /// Design a plate whose reflection is the picture; write STL, pictures and a report
     ///
-    /// Exit codes: 0 done, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
-    /// 5 output cannot be written.
-    #[command(after_help = "Example: facetmill design ring.png -o ring --half-field 20 --size 30x30 --facets 30x30")]
+    /// The folder receives plate.stl (closed solid, mm), heightmap.png with heightmap.json, target.png, simulated.png,
+    /// comparison.png (look at this one first), relief.png, report.json, and recipe.toml: every setting, so that
+    /// `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
+    #[command(after_help = "\
+Examples:
+  facetmill design ring.png -o ring --half-field 20 --size 30x30 --facets 30x30
+  facetmill design logo.png -o logo --projection screen --quantity flux --seen on-wall   a logo thrown on a wall
+  facetmill design ring.png --facets 200x200 --dry-run                                   how large, how long?")]
+    #[command(allow_negative_numbers = true)]
     Design(Box<DesignArgs>),
     /// Trace light over any closed STL (mm) and score it against a picture
+    ///
+    /// The plate lies in the xy plane with its relief toward +z; who made it does not matter. The folder receives
+    /// target.png, simulated.png, comparison.png and report.json.
     #[command(after_help = "Example: facetmill verify ring/plate.stl --against ring.png -o proof --half-field 20")]
+    #[command(allow_negative_numbers = true)]
     Verify(Box<VerifyArgs>),
 }
 
@@ -36,7 +51,7 @@ pub struct DesignArgs {
     /// The highlight: PNG, JPEG, TIFF or WebP, bright where light shall be
     #[arg(required_unless_present = "recipe")]
     pub picture: Option<PathBuf>,
-    /// Folder for the results
+    /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present = "dry_run")]
     pub output: Option<PathBuf>,
 
@@ -44,81 +59,92 @@ pub struct DesignArgs {
     pub optics: OpticsArgs,
 
     /// Optical area along x and y, mm  [default: 30x30]
-    #[arg(long, value_name = "WxH", help_heading = "Plate")]
-    size: Option<Pair<f64, 'x'>>,
+    #[arg(long, value_name = "WxH", help_heading = "Plate", value_parser = size, allow_hyphen_values = true)]
+    size: Option<[f64; 2]>,
     /// Facets along x and y on the whole plate  [default: 30x30]
-    #[arg(long, value_name = "NxM", help_heading = "Plate")]
-    facets: Option<Pair<usize, 'x'>>,
+    ///
+    /// Each is one flat mirror and one spot of light: 30x30 facets on 30x30 mm are 900 mirrors of 1 mm. More facets
+    /// show finer detail, smaller ones need a smaller cutter.
+    #[arg(long, value_name = "NxM", help_heading = "Plate", value_parser = counts, allow_hyphen_values = true)]
+    facets: Option<[usize; 2]>,
     /// Repeat the whole highlight in K x K cells  [default: 1]
-    #[arg(long, value_name = "K", help_heading = "Plate")]
+    ///
+    /// One cell is a single dome, which seen from near by lights up in one place only. 3 x 3 cells of 10 mm each hold
+    /// the whole highlight, so the plate looks the same all over. --facets must be divisible by K.
+    #[arg(long, value_name = "K", help_heading = "Plate", value_parser = count)]
     cells: Option<usize>,
     /// Solid metal under the lowest point, mm  [default: 5]
-    #[arg(long, value_name = "MM", help_heading = "Plate", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     thickness: Option<f64>,
     /// Flat rim around the optical area, mm  [default: 0]
-    #[arg(long, value_name = "MM", help_heading = "Plate", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     border: Option<f64>,
     /// Kind of relief: planar facets  [default: flat]
-    #[arg(long, value_enum, help_heading = "Plate")]
+    #[arg(long, value_enum, value_name = "KIND", help_heading = "Plate")]
     surface: Option<SurfaceArg>,
 
     /// How facets are drawn from the highlight  [default: voronoi]
-    #[arg(long, value_enum, help_heading = "Design")]
+    #[arg(long, value_enum, value_name = "HOW", help_heading = "Design")]
     sample: Option<SampleArg>,
     /// Which facet goes where  [default: transport]
-    #[arg(long, value_enum, help_heading = "Design")]
+    #[arg(long, value_enum, value_name = "HOW", help_heading = "Design")]
     arrange: Option<ArrangeArg>,
     /// How heights follow from slopes  [default: free, cyclic with --arrange anneal]
-    #[arg(long, value_enum, help_heading = "Design")]
+    #[arg(long, value_enum, value_name = "HOW", help_heading = "Design")]
     heights: Option<HeightsArg>,
     /// Set every choice to a published method's; flags beside it override it
-    #[arg(long, value_enum, help_heading = "Design", conflicts_with = "recipe")]
+    #[arg(long, value_enum, value_name = "NAME", help_heading = "Design", conflicts_with = "recipe")]
     method: Option<MethodArg>,
     /// Mount the plate tilted so that its mean slope is zero
-    #[arg(long, help_heading = "Design")]
-    level: bool,
-    /// Steepest facet, degrees  [default: 65]
-    #[arg(long, value_name = "DEG", help_heading = "Design", allow_negative_numbers = true)]
+    ///
+    /// An off-centre highlight tilts the whole relief: a mean slope of 5° climbs 2.6 mm over 30 mm. Levelled, the plate
+    /// stays thin and is mounted at that angle instead, which the table and the report tell.
+    #[arg(long, help_heading = "Design", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL", action = ArgAction::Set, hide_possible_values = true)]
+    level: Option<bool>,
+    /// Steepest facet, degrees; light that needs steeper ones is cut  [default: 65]
+    #[arg(long, value_name = "DEG", help_heading = "Design", value_parser = number)]
     slope_cap: Option<f64>,
     /// Seed of everything random  [default: 1]
-    #[arg(long, help_heading = "Design", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", help_heading = "Design", value_parser = whole)]
     seed: Option<u64>,
     /// Start from the settings of a recipe.toml; flags beside it override it
+    ///
+    /// A picture that the recipe names is looked for from the folder you are in.
     #[arg(long, value_name = "FILE", help_heading = "Design")]
     pub recipe: Option<PathBuf>,
 
     #[command(flatten)]
     pub running: RunningArgs,
-    /// Do not trace the result
+    /// Do not trace light over the result
     #[arg(long, help_heading = "Running")]
     pub no_verify: bool,
-    /// Tell sizes, STL bytes and time without designing
+    /// Tell sizes, STL bytes and time without designing; needs no -o
     #[arg(long, help_heading = "Running")]
     pub dry_run: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// A closed STL in mm, +z toward the light
+    /// A closed STL in mm, relief toward +z
     pub plate: PathBuf,
     /// The picture that the light is scored against
     #[arg(long, value_name = "PICTURE")]
     pub against: PathBuf,
-    /// Folder for the results
+    /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
 
     #[command(flatten)]
     pub optics: OpticsArgs,
 
-    /// Rim that is not optical area, mm
-    #[arg(long, value_name = "MM", default_value_t = 0.0, help_heading = "Plate", allow_negative_numbers = true)]
-    pub margin: f64,
+    /// Rim that is not optical area, mm  [default: 0]
+    #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
+    pub margin: Option<f64>,
     /// Tilt at which the plate is mounted, degrees from +z and azimuth, as a --level design reports it
-    #[arg(long, value_name = "THETA,PHI", help_heading = "Plate", allow_hyphen_values = true)]
-    pub mount: Option<Pair<f64, ','>>,
+    #[arg(long, value_name = "THETA,PHI", help_heading = "Plate", value_parser = angles, allow_hyphen_values = true)]
+    pub mount: Option<[f64; 2]>,
     /// Seed of the rays  [default: 1]
-    #[arg(long, help_heading = "Running", value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
+    #[arg(long, value_name = "N", help_heading = "Running", value_parser = whole)]
     pub seed: Option<u64>,
 
     #[command(flatten)]
@@ -129,36 +155,44 @@ pub struct VerifyArgs {
 #[command(next_help_heading = "Highlight and light")]
 pub struct OpticsArgs {
     /// Angle from the picture's middle to its rim, degrees  [default: 20]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    ///
+    /// On a wall at a distance D the picture is 2·D·tan(angle) wide: 20° give 0.73 m at 1 m.
+    #[arg(long, value_name = "DEG", value_parser = number)]
     half_field: Option<f64>,
     /// How directions are laid out on the picture  [default: orthographic]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_name = "NAME")]
     projection: Option<ProjectionArg>,
     /// What a pixel's value says  [default: radiance]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_name = "NAME")]
     quantity: Option<QuantityArg>,
     /// From which side the picture is looked at  [default: from-above]
-    #[arg(long, value_enum)]
+    ///
+    /// Thrown on a wall or ceiling, a picture meant to be seen from above the plate is mirrored; on-wall turns it right.
+    #[arg(long, value_enum, value_name = "SIDE")]
     seen: Option<SeenArg>,
     /// The lamp: degrees from the plate's normal, azimuth from +x  [default: 0,0]
-    #[arg(long, value_name = "THETA,PHI", allow_hyphen_values = true)]
-    light: Option<Pair<f64, ','>>,
+    ///
+    /// The azimuth counts counter-clockwise seen from above: 30,90 is a lamp 30° off the normal toward +y.
+    #[arg(long, value_name = "THETA,PHI", value_parser = angles, allow_hyphen_values = true)]
+    light: Option<[f64; 2]>,
     /// Angular radius of the lamp, degrees; the sun has 0.2665  [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    ///
+    /// A disc of 10 mm at 1 m has 0.29. It blurs the highlight by as much; the proof counts it, the design does not.
+    #[arg(long, value_name = "DEG", value_parser = number)]
     light_radius: Option<f64>,
     /// Dark parts of the picture are the light
-    #[arg(long)]
-    invert: bool,
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "BOOL", action = ArgAction::Set, hide_possible_values = true)]
+    invert: Option<bool>,
     /// Turn the drawing counter-clockwise, degrees  [default: 0]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = number)]
     rotate: Option<f64>,
     /// How a picture that is not square fills the field  [default: pad]
-    #[arg(long, value_enum)]
+    #[arg(long, value_enum, value_name = "HOW")]
     fit: Option<FitArg>,
-    /// Pixel values are proportional to light, whatever their depth
+    /// Pixel values are proportional to light  [default: only in 16-bit and float pictures]
     #[arg(long, conflicts_with = "srgb")]
     linear: bool,
-    /// Pixel values are sRGB, whatever their depth
+    /// Pixel values are sRGB  [default: only in 8-bit pictures]
     #[arg(long)]
     srgb: bool,
 }
@@ -167,18 +201,18 @@ pub struct OpticsArgs {
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
     /// Rays sent over the plate  [default: 2000000]
-    #[arg(long)]
+    #[arg(long, value_name = "N", value_parser = whole)]
     rays: Option<u64>,
-    /// Threads  [default: one a core]; results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Replace the files of an earlier run
+    /// Threads; results do not depend on it  [default: one a core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Replace the files of an earlier run; files of other names are left alone
     #[arg(long)]
     pub force: bool,
-    /// Print the report as JSON
+    /// Print the report, or the error, as JSON on standard output
     #[arg(long)]
     pub json: bool,
-    /// Say nothing but errors
+    /// No progress and no table; errors are still told
     #[arg(long)]
     pub quiet: bool,
 }
@@ -187,22 +221,21 @@ impl DesignArgs {
     /// Lays the flags over `recipe`.
     pub fn apply(&self, recipe: &mut Recipe) {
         if let Some(picture) = &self.picture {
-            recipe.picture = Some(picture.to_string_lossy().into_owned());
+            // A name that is not Unicode cannot stand in the recipe; none is better than a wrong one.
+            recipe.picture = picture.to_str().map(Into::into);
         }
         self.optics.apply(recipe);
         let (plate, design) = (&mut recipe.plate, &mut recipe.design);
-        set(&mut plate.size, self.size.map(Pair::array));
-        set(&mut plate.facets, self.facets.map(Pair::array));
+        set(&mut plate.size, self.size);
+        set(&mut plate.facets, self.facets);
         set(&mut plate.cells, self.cells);
         set(&mut plate.thickness, self.thickness);
         set(&mut plate.border, self.border);
         set(&mut plate.surface, self.surface.map(Into::into));
         set(&mut design.sample, self.sample.map(Into::into));
         set(&mut design.arrange, self.arrange.map(Into::into));
-        if let Some(heights) = self.heights {
-            design.heights = Some(heights.into());
-        }
-        design.distribution.level |= self.level;
+        design.heights = self.heights.map(Into::into).or(design.heights);
+        set(&mut design.distribution.level, self.level);
         set(&mut design.distribution.slope_cap, self.slope_cap);
         set(&mut design.seed, self.seed);
         self.running.apply(recipe);
@@ -218,13 +251,14 @@ impl DesignArgs {
 }
 
 impl OpticsArgs {
+    /// Lays the flags over `recipe`.
     pub fn apply(&self, recipe: &mut Recipe) {
         let (highlight, light) = (&mut recipe.highlight, &mut recipe.light);
         set(&mut highlight.half_field, self.half_field);
         set(&mut highlight.projection, self.projection.map(Into::into));
         set(&mut highlight.quantity, self.quantity.map(Into::into));
         set(&mut highlight.seen, self.seen.map(Into::into));
-        highlight.invert |= self.invert;
+        set(&mut highlight.invert, self.invert);
         set(&mut highlight.rotate, self.rotate);
         set(&mut highlight.fit, self.fit.map(Into::into));
         if self.linear {
@@ -233,7 +267,7 @@ impl OpticsArgs {
         if self.srgb {
             highlight.encoding = Encoding::Srgb;
         }
-        if let Some(Pair([theta, phi])) = self.light {
+        if let Some([theta, phi]) = self.light {
             (light.theta, light.phi) = (theta, phi);
         }
         set(&mut light.radius, self.light_radius);
@@ -241,6 +275,7 @@ impl OpticsArgs {
 }
 
 impl RunningArgs {
+    /// Lays the flags over `recipe`.
     pub fn apply(&self, recipe: &mut Recipe) {
         set(&mut recipe.verify.rays, self.rays);
     }
@@ -250,105 +285,4 @@ fn set<T>(place: &mut T, value: Option<T>) {
     if let Some(value) = value {
         *place = value;
     }
-}
-
-/// Two numbers with a separator between: `30x20`, `45,90`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair<T, const BETWEEN: char>(pub [T; 2]);
-
-impl<T, const BETWEEN: char> Pair<T, BETWEEN> {
-    fn array(self) -> [T; 2] {
-        self.0
-    }
-}
-
-impl<T: FromStr, const BETWEEN: char> FromStr for Pair<T, BETWEEN> {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wanted = || format!("write two numbers with a '{BETWEEN}' between them, such as 30{BETWEEN}20");
-        let (first, second) = text.split_once(BETWEEN).ok_or_else(wanted)?;
-        let number = |part: &str| part.trim().parse().map_err(|_| wanted());
-        Ok(Self([number(first)?, number(second)?]))
-    }
-}
-
-/// A flag's words for a library enum: names and meaning here, science there.
-macro_rules! words {
-    ($arg:ident for $library:ident { $($(#[$doc:meta])* $word:ident),+ $(,)? }) => {
-        #[derive(Clone, Copy, Debug, ValueEnum)]
-        pub enum $arg { $($(#[$doc])* $word),+ }
-
-        impl From<$arg> for $library {
-            fn from(arg: $arg) -> Self {
-                match arg { $($arg::$word => Self::$word),+ }
-            }
-        }
-    };
-}
-
-words!(ProjectionArg for Projection {
-    /// Sines of the angles from the plate's normal
-    Orthographic,
-    /// Equal angles from the mirror direction
-    Equidistant,
-    /// A flat screen across the mirror direction
-    Screen,
-});
-words!(QuantityArg for Quantity {
-    /// How bright the plate looks from there
-    Radiance,
-    /// Flux per steradian
-    Intensity,
-    /// Flux per pixel; on a screen, irradiance
-    Flux,
-});
-words!(SeenArg for Seen {
-    /// A map of viewers, from above the plate
-    FromAbove,
-    /// Thrown on a wall, from the plate's side
-    OnWall,
-});
-words!(FitArg for Fit {
-    /// Black bars
-    Pad,
-    /// Cut what is longer
-    Crop,
-    /// Distort
-    Stretch,
-});
-words!(SurfaceArg for SurfaceKind {
-    /// Planar facets
-    Flat,
-});
-words!(SampleArg for Sampling {
-    /// Centroidal cells of equal mass
-    Voronoi,
-    /// Independent draws
-    Random,
-    /// A Sobol sequence
-    Sobol,
-});
-words!(ArrangeArg for Arrangement {
-    /// Optimal transport: a dome, no valleys
-    Transport,
-    /// The 2009 paper's annealing
-    Anneal,
-    /// No order
-    Random,
-});
-words!(HeightsArg for Heights {
-    /// Smallest steps, edges free
-    Free,
-    /// Smallest steps on a plate that continues into itself
-    Cyclic,
-    /// As printed in the 2009 paper
-    Weyrich2009,
-});
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum MethodArg {
-    /// Weyrich et al., SIGGRAPH 2009
-    #[value(name = "weyrich2009")]
-    Weyrich2009,
 }

@@ -1,14 +1,14 @@
 //! What a person sees: progress, tables, errors.
 
 use std::io::{self, IsTerminal, Write};
-use std::process::ExitCode;
 use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use facetmill::picture::PictureError;
 use facetmill::progress::Event;
 use facetmill::recipe::run::DesignError;
-use facetmill::verify::verdict::Verdict;
+use facetmill::verify::verdict::{Figure, MAIN_BLUR, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
@@ -61,57 +61,87 @@ impl From<DesignError> for Failure {
     }
 }
 
-/// Says why on stderr, and to machines on stdout.
-pub fn report_failure(failure: &Failure, to_json: bool) -> ExitCode {
+/// Says why on stderr, and to machines on stdout; the exit code.
+pub fn report_failure(failure: &Failure, to_json: bool) -> u8 {
     let code = failure.exit_code();
-    let _ = writeln!(io::stderr(), "facetmill: {failure}");
+    let mut err = io::stderr();
+    // A progress line may stand there, and what a terminal echoes of Ctrl-C.
+    let clear = if err.is_terminal() { "\r\x1b[2K" } else { "" };
+    let _ = writeln!(err, "{clear}facetmill: {}", one_line(&failure.to_string()));
     if to_json {
-        print_json(&json!({ "error": failure.to_string(), "exit_code": code }));
+        let _ = print_json(&json!({ "error": failure.to_string(), "exit_code": code }));
     }
-    ExitCode::from(code)
+    code
 }
 
-/// One line of JSON facts, indented.
-pub fn print_json(value: &Value) {
-    // A reader that has gone away is no reason to fail: the files are what counts.
-    let _ = writeln!(io::stdout(), "{value:#}");
+/// Names of files can hold anything, line ends and commands to the terminal too.
+fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-/// Rows of name, value and meaning.
-pub fn print_table(title: &str, rows: &[[String; 3]]) {
+/// JSON facts, indented.
+pub fn print_json(value: &Value) -> Result<(), OutputError> {
+    print(&format!("{value:#}\n"))
+}
+
+/// A title, and rows of name, value and meaning.
+pub fn print_table(title: &str, rows: &[[String; 3]], notes: &[String]) -> Result<(), OutputError> {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));
-    let mut out = io::stdout().lock();
-    let _ = writeln!(out, "{title}");
+    let mut text = one_line(title) + "\n";
     for [name, value, meaning] in rows {
-        let line = format!("  {name:first$}  {value:>second$}  {meaning}");
-        let _ = writeln!(out, "{}", line.trim_end());
+        text += format!("  {name:first$}  {value:>second$}  {meaning}").trim_end();
+        text.push('\n');
     }
+    for note in notes {
+        text += &format!("  Note: {}\n", one_line(note));
+    }
+    print(&text)
+}
+
+/// To stdout. A reader that has gone away has read what it wanted.
+fn print(text: &str) -> Result<(), OutputError> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(OutputError::StandardOutput(error)),
+        _ => Ok(()),
+    }
+}
+
+/// A row of a table.
+pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> [String; 3] {
+    [name.to_owned(), value.into(), meaning.into()]
 }
 
 /// The figures of a verdict as rows of a table.
 pub fn verdict_rows(verdict: &Verdict) -> Vec<[String; 3]> {
-    let row = |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()];
     let main = verdict.main();
-    let percent = |share: f64| format!("{:.2}", 100.0 * share);
+    let percent = |figure: Figure| format!("{:.2} %", 100.0 * figure.value);
     vec![
+        row("rays", rays(verdict.rays), format!("traced; the highlight is scored through a blur of {MAIN_BLUR}°")),
         row(
-            "TV at 1°",
-            format!("{:.4}", main.tv_incident.value),
-            "share of light in the wrong place, losses counted; 0 is perfect",
+            "misplaced (TV)",
+            percent(main.tv_incident),
+            format!(
+                "of the light falls in the wrong place or is lost (± {:.2}); 0 is perfect",
+                100.0 * main.tv_incident.error
+            ),
         ),
-        row("SSIM at 1°", format!("{:.3}", main.ssim.value), "likeness to the drawing; 1 is the same picture"),
-        row("W1", format!("{:.3}", verdict.w1.value), "° by which light is off its place on average"),
-        row("efficiency", percent(verdict.efficiency.value), "% of the light lands where the drawing is lit"),
-        row("bounced twice", percent(verdict.multi_bounce.value), "% of the light that leaves"),
-        row("blocked", percent(verdict.blocked.value), "% of the light that falls on the plate"),
+        row("likeness (SSIM)", format!("{:.3}", main.ssim.value), "to the drawing; 1 is the same picture"),
+        row("shift (W1)", format!("{:.2}°", verdict.w1.value), "that light must move on average to be the drawing"),
+        row("efficiency", percent(verdict.efficiency), "of the light lands where the drawing is lit"),
+        row("bounced twice", percent(verdict.multi_bounce), "of what leaves the plate has met it more than once"),
+        row("blocked", percent(verdict.blocked), "of the light never leaves the plate upward"),
     ]
 }
 
-/// A sentence on its own line.
-pub fn print_line(sentence: &str) {
-    let _ = writeln!(io::stdout(), "{sentence}");
+/// How many rays, for people.
+pub fn rays(number: u64) -> String {
+    if number < 1_000_000 { number.to_string() } else { format!("{:.1} million", number as f64 / 1e6) }
 }
+
+/// Never raised: Ctrl-C ends the program at once, after `files::abandon`.
+pub static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// A progress line per stage on stderr, if somebody looks.
 pub struct Stages {

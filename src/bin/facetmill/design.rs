@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use facetmill::export::heightmap::height_map;
 use facetmill::export::shading::relief_picture;
-use facetmill::export::stl::{stl_bytes, write_stl};
+use facetmill::export::stl::write_stl;
 use facetmill::highlight::scored_target;
 use facetmill::picture::{self, Picture};
-use facetmill::progress::Progress;
+use facetmill::progress::{Event, Progress};
+use facetmill::recipe::Recipe;
 use facetmill::recipe::report::report;
 use facetmill::recipe::run::{Design, Proof, design, prove};
-use facetmill::recipe::{Arrangement, Recipe, RecipeError};
 use serde_json::{Value, json};
 
-use crate::STOP;
 use crate::args::DesignArgs;
-use crate::console::{Failure, Stages, print_json, print_line, print_table, verdict_rows};
-use crate::files::Staged;
+use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
+use crate::files::{OutputError, Staged};
 use crate::outputs::{write_png, write_proof, write_target};
+use crate::{estimate, inputs};
 
 /// Pixels along the longer side of the height map, at the most.
 const HEIGHT_MAP_SIDE: usize = 2048;
@@ -25,27 +25,37 @@ const HEIGHT_MAP_SIDE: usize = 2048;
 /// Pixels along the longer side of the relief's picture.
 const RELIEF_PICTURE_SIDE: usize = 960;
 
+/// Every file that a design may write.
+const FILES: &[&str] = &[
+    "plate.stl",
+    "heightmap.png",
+    "heightmap.json",
+    "target.png",
+    "simulated.png",
+    "relief.png",
+    "comparison.png",
+    "recipe.toml",
+    "report.json",
+];
+
 /// Does what `args` say.
 pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     let (recipe, path) = recipe(args)?;
+    let (to_json, quiet) = (args.running.json, args.running.quiet);
+    let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
+        picture::read(&path, &recipe.reading())?;
+        return Ok(estimate::tell(&recipe, !args.no_verify, to_json, quiet)?);
+    };
     // Before any work: a folder that cannot be written should not cost a minute.
-    let staged = match (&args.output, args.dry_run) {
-        (Some(folder), false) => Some(Staged::new(folder, args.running.force)?),
-        _ => None,
-    };
-    let picture = picture::read(&path, &recipe.reading())?;
-    let Some(mut staged) = staged else {
-        let facts = dry_run(&recipe);
-        if args.running.json {
-            print_json(&facts);
-        } else if !args.running.quiet {
-            print_dry_run(&recipe, &facts);
-        }
-        return Ok(());
-    };
-    let stages = Stages::new(args.running.quiet);
-    let listen = |event: facetmill::progress::Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &STOP);
+    let mut staged = Staged::new(folder, args.running.force, FILES)?;
+    let mut picture = picture::read(&path, &recipe.reading())?;
+    if recipe.picture.is_none() {
+        let note = "The picture's name is not Unicode, so recipe.toml is without it: name it beside --recipe.";
+        picture.notes.push(note.into());
+    }
+    let stages = Stages::new(quiet);
+    let listen = |event: Event<'_>| stages.hear(event);
+    let progress = Progress::new(&listen, &NEVER);
     let made = design(&recipe, &picture.light, &progress)?;
     let proof = match args.no_verify {
         true => None,
@@ -54,53 +64,39 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     progress.stage("writing files");
     let report = report(&recipe, &picture, &made, proof.as_ref());
     write(&mut staged, &recipe, &picture, &made, proof.as_ref(), &report)?;
-    if progress.is_cancelled() {
-        return Err(Failure::Stopped);
-    }
     staged.publish()?;
     stages.finish();
-    if args.running.json {
-        print_json(&report);
-    } else if !args.running.quiet {
-        print_result(
-            args.output.as_deref().unwrap_or(Path::new(".")),
-            &recipe,
-            &picture,
-            &made,
-            proof.as_ref(),
-            &report,
-        );
+    if to_json {
+        print_json(&report)?;
+    } else if !quiet {
+        print_result(folder, &recipe, &picture, &made, proof.as_ref(), &report)?;
     }
     Ok(())
 }
 
 /// The effective recipe, and the file of its picture.
 fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
-    let mut from_file = false;
-    let mut recipe = match &args.recipe {
-        None => args.base(),
-        Some(file) => {
-            from_file = true;
-            let cannot = |what: String| Failure::Input(format!("{}: {what}", file.display()));
-            let text = std::fs::read_to_string(file).map_err(|error| cannot(format!("cannot be read: {error}")))?;
-            let recipe = Recipe::from_toml(&text).map_err(|error| cannot(error.to_string()))?;
-            recipe.check().map_err(|error| cannot(error.to_string()))?;
-            recipe
-        }
-    };
+    let from_file = args.recipe.as_deref().map(inputs::recipe).transpose()?;
+    let mut recipe = from_file.clone().unwrap_or_else(|| args.base());
     args.apply(&mut recipe);
-    recipe.check().map_err(|error| match error {
-        error if error.is_impossible() => Failure::Impossible(error.to_string()),
-        RecipeError::OutOfRange { .. } => Failure::Usage(format!("--{error}")),
-        error => Failure::Input(error.to_string()),
-    })?;
-    let path = match (&args.picture, &recipe.picture) {
-        (Some(path), _) => path.clone(),
-        (None, Some(name)) => PathBuf::from(name),
-        (None, None) if from_file => {
-            return Err(Failure::Input("the recipe names no picture: give one on the command line".into()));
+    recipe.check().map_err(|error| {
+        // Flags may mend a recipe; what they do not mend is the recipe's fault, and the file is to be named.
+        let file = args.recipe.as_deref().filter(|_| from_file.is_some_and(|old| old.check().as_ref() == Err(&error)));
+        match (error.is_impossible(), file) {
+            (true, None) => Failure::Impossible(error.to_string()),
+            (true, Some(file)) => Failure::Impossible(format!("{}: {error}", file.display())),
+            (false, Some(file)) => Failure::Input(format!("{}: {error}", file.display())),
+            (false, None) => Failure::Usage(format!("--{error}")),
         }
-        (None, None) => return Err(Failure::Usage("no picture was given".into())),
+    })?;
+    let path = match (&args.picture, &recipe.picture, &args.recipe) {
+        (Some(path), _, _) => path.clone(),
+        (None, Some(name), _) => PathBuf::from(name),
+        (None, None, Some(file)) => {
+            let name = file.display();
+            return Err(Failure::Input(format!("{name}: the recipe names no picture: give one on the command line")));
+        }
+        (None, None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
     };
     Ok((recipe, path))
 }
@@ -148,55 +144,6 @@ fn plate_line(recipe: &Recipe, made: &Design) -> String {
     )
 }
 
-/// What a design would be, from its sizes alone.
-fn dry_run(recipe: &Recipe) -> Value {
-    let [columns, rows] = recipe.plate.facets;
-    let facets = (columns * rows) as f64;
-    let pitch = recipe.pitch();
-    // Measured on photographs and logos: with steps that change sign along most edges a facet takes about 13
-    // triangles, with tall walls about 7. The rest is sides and base.
-    let per_facet = if recipe.design.arrange == Arrangement::Random { 7.0 } else { 13.0 };
-    let triangles = (per_facet * facets + 8.0 * (columns + rows) as f64).round() as usize;
-    // CPU seconds a facet, with the part that does not depend on facets.
-    let design = match recipe.design.arrange {
-        Arrangement::Transport => 0.15 + 2.5e-4 * facets,
-        Arrangement::Anneal => 0.15 + 8e-4 * facets,
-        Arrangement::Random => 0.15 + 1e-4 * facets,
-    };
-    let verify = 1.5 + 2e-7 * recipe.verify.rays as f64;
-    json!({
-        "dry_run": true,
-        "plate_mm": [
-            recipe.plate.size[0] + 2.0 * recipe.plate.border,
-            recipe.plate.size[1] + 2.0 * recipe.plate.border
-        ],
-        "pitch_mm": [pitch.x, pitch.y],
-        "facets": columns * rows,
-        "stl_triangles_about": triangles,
-        "stl_bytes_about": stl_bytes(triangles),
-        "design_cpu_seconds_about": design,
-        "verify_cpu_seconds_about": verify,
-    })
-}
-
-fn print_dry_run(recipe: &Recipe, facts: &Value) {
-    let number = |key: &str| facts[key].as_f64().unwrap_or(0.0);
-    let pair = |key: &str, digits: usize| {
-        let side = |k: usize| facts[key][k].as_f64().unwrap_or(0.0);
-        format!("{:.digits$} × {:.digits$}", side(0), side(1))
-    };
-    let row = |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()];
-    let rows = [
-        row("plate", pair("plate_mm", 1), "mm with its border"),
-        row("facet", pair("pitch_mm", 4), "mm"),
-        row("facets", format!("{}", recipe.plate.facets[0] * recipe.plate.facets[1]), ""),
-        row("STL", format!("{:.1}", number("stl_bytes_about") / 1e6), "MB, about"),
-        row("design", format!("{:.1}", number("design_cpu_seconds_about")), "CPU seconds, about"),
-        row("verify", format!("{:.1}", number("verify_cpu_seconds_about")), "CPU seconds, about"),
-    ];
-    print_table("Dry run: nothing is designed or written", &rows);
-}
-
 fn print_result(
     folder: &Path,
     recipe: &Recipe,
@@ -204,40 +151,35 @@ fn print_result(
     made: &Design,
     proof: Option<&Proof>,
     report: &Value,
-) {
-    let row = |name: &str, value: String, meaning: &str| [name.to_owned(), value, meaning.to_owned()];
+) -> Result<(), OutputError> {
     let [width, height] = recipe.plate.size;
+    let [columns, rows] = recipe.plate.facets;
     let pitch = recipe.pitch();
     let (low, high) = made.relief.height_range();
-    let mut rows = vec![
-        row("plate", format!("{width} × {height}"), &format!("mm, facets of {:.3} × {:.3} mm", pitch.x, pitch.y)),
-        row("relief", format!("{:.3}", high - low), "mm from lowest to highest point"),
-        row("steps", format!("{:.4}", made.steps.rms), "mm between neighbours, root mean square; 0 is seamless"),
-        row("valleys", made.steps.inner_valleys.to_string(), "inside the plate, which a cutter would fill"),
+    let mut table = vec![
+        row(
+            "plate",
+            format!("{width} × {height} mm"),
+            format!("of {columns} × {rows} facets, each {:.3} × {:.3} mm", pitch.x, pitch.y),
+        ),
+        row("relief", format!("{:.3} mm", high - low), "from its lowest to its highest point"),
+        row("steps", format!("{:.4} mm", made.steps.rms), "between neighbours, root mean square; 0 is seamless"),
+        row("valleys", made.steps.inner_valleys.to_string(), "edges inside the plate where a cutter leaves its radius"),
     ];
     let normal = made.distribution.setup.plate_normal();
     if normal.z < 1.0 {
-        let meaning =
-            format!("° toward azimuth {:.1}°: mount the plate tilted so", normal.y.atan2(normal.x).to_degrees());
-        rows.push(row("mount", format!("{:.2}", normal.z.acos().to_degrees()), &meaning));
+        let toward = normal.y.atan2(normal.x).to_degrees();
+        let tilt = format!("{:.2}°", normal.z.acos().to_degrees());
+        table.push(row("mount", tilt, format!("tilted so, its normal toward azimuth {toward:.1}°")));
     }
     if let Some(proof) = proof {
-        rows.extend(verdict_rows(&proof.verdict));
+        table.extend(verdict_rows(&proof.verdict));
     }
     let cpu: f64 = made.seconds.iter().map(|(_, s)| s).sum();
-    rows.push(row("design", format!("{cpu:.2}"), "CPU seconds"));
-    print_table(
-        &format!(
-            "Wrote {}: plate.stl ({} triangles), comparison and report",
-            folder.display(),
-            made.mesh.triangles.len()
-        ),
-        &rows,
-    );
-    let sentences = picture
-        .notes
-        .iter()
-        .map(String::as_str)
-        .chain(report["advice"].as_array().into_iter().flatten().filter_map(Value::as_str));
-    sentences.for_each(|sentence| print_line(&format!("  Note: {sentence}")));
+    table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));
+    let advice = report["advice"].as_array().into_iter().flatten().filter_map(Value::as_str).map(Into::into);
+    let notes: Vec<String> = picture.notes.iter().cloned().chain(advice).collect();
+    let look = if proof.is_some() { "; look at comparison.png first" } else { "" };
+    let triangles = made.mesh.triangles.len();
+    print_table(&format!("Wrote {}: plate.stl of {triangles} triangles{look}", folder.display()), &table, &notes)
 }

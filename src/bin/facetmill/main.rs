@@ -3,35 +3,38 @@
 mod args;
 mod console;
 mod design;
+mod estimate;
 mod files;
+mod inputs;
 mod outputs;
+mod usage;
+mod values;
 mod verify;
 
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Parser;
 
 use args::{Cli, Command};
-
-/// Raised by Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
+use console::{Failure, report_failure};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    // Without a handler Ctrl-C still ends the program, only less tidily.
-    let _ = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return ExitCode::from(usage::answer(&error)),
+    };
     let running = match &cli.command {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
     };
+    let to_json = running.json;
+    // Without a handler Ctrl-C still ends the program, only less tidily.
+    let _ = ctrlc::set_handler(move || {
+        files::abandon(|| std::process::exit(report_failure(&Failure::Stopped, to_json).into()));
+    });
     if let Some(threads) = running.threads {
         // Fails only if a pool exists already, and none does yet.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
     let done = match &cli.command {
         Command::Design(args) => design::run(args),
@@ -39,6 +42,6 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => console::report_failure(&failure, running.json),
+        Err(failure) => ExitCode::from(report_failure(&failure, to_json)),
     }
 }

@@ -9,7 +9,7 @@ use facetmill::recipe::{Recipe, Seen};
 use facetmill::verify::score::blurred;
 use facetmill::verify::verdict::MAIN_BLUR;
 
-use crate::console::Failure;
+use crate::console::{Failure, rays};
 use crate::files::Staged;
 
 /// `raster` the way the user drew: a picture seen on a wall was mirrored on its way in.
@@ -42,7 +42,7 @@ pub fn write_proof(
     let captions = Captions {
         numbers: [
             format!("as drawn, blurred by {MAIN_BLUR}°"),
-            format!("{:.1} million rays, blurred by {MAIN_BLUR}°", verdict.rays as f64 / 1e6),
+            format!("{} rays, blurred by {MAIN_BLUR}°", rays(verdict.rays)),
             format!(
                 "TV({MAIN_BLUR}°) {:.4}   SSIM {:.3}   W1 {:.2}°",
                 main.tv.value, main.ssim.value, verdict.w1.value
@@ -59,7 +59,7 @@ pub fn write_proof(
 /// Encodes and writes one picture.
 pub fn write_png<P>(
     staged: &mut Staged,
-    name: &str,
+    name: &'static str,
     image: &image::ImageBuffer<P, Vec<P::Subpixel>>,
 ) -> Result<(), Failure>
 where

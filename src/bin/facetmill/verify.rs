@@ -1,25 +1,26 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
-use std::fs::File;
-
 use facetmill::export::stl::{open_edges, read_stl};
 use facetmill::highlight::scored_target;
 use facetmill::picture;
-use facetmill::progress::Progress;
+use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::recipe::run::Proof;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
-use facetmill::trace::mesh::MeshSurface;
+use facetmill::trace::mesh::{MeshSurface, MeshSurfaceError};
 use facetmill::verify::measure::{Measuring, measure};
 use facetmill::verify::verdict::Verdict;
 use serde_json::json;
 
-use crate::STOP;
 use crate::args::VerifyArgs;
-use crate::console::{Failure, Stages, print_json, print_line, print_table};
+use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
 use crate::files::Staged;
+use crate::inputs;
 use crate::outputs::{write_proof, write_target};
+
+/// Every file that a verification may write.
+const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
@@ -29,12 +30,12 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    if !(0.0..=10_000.0).contains(&args.margin) {
-        return Err(Failure::Usage(format!("--margin is {}: it must be from 0 to 10000", args.margin)));
+    let margin = args.margin.unwrap_or(0.0);
+    if !(0.0..=10_000.0).contains(&margin) {
+        return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
     }
     let mut setup = recipe.setup();
-    if let Some(mount) = args.mount {
-        let [theta, phi] = mount.0;
+    if let Some([theta, phi]) = args.mount {
         if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
             return Err(Failure::Usage("--mount takes an angle from 0 to 80 and an azimuth from -360 to 360".into()));
         }
@@ -45,26 +46,29 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force)?;
+    let quiet = args.running.quiet;
+    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
     let name = args.plate.display();
-    let mut file =
-        File::open(&args.plate).map_err(|error| Failure::Input(format!("{name} cannot be read: {error}")))?;
-    let mesh = read_stl(&mut file).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let mesh = read_stl(&mut inputs::open(&args.plate)?).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
     let picture = picture::read(&args.against, &recipe.reading())?;
 
-    let stages = Stages::new(args.running.quiet);
-    let listen = |event: facetmill::progress::Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &STOP);
+    let stages = Stages::new(quiet);
+    let listen = |event: Event<'_>| stages.hear(event);
+    let progress = Progress::new(&listen, &NEVER);
     progress.stage("reading the plate");
     let open = open_edges(&mesh);
-    let surface = MeshSurface::new(&mesh, args.margin).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let surface = MeshSurface::new(&mesh, margin).map_err(|error| match error {
+        MeshSurfaceError::Margin { .. } if margin > 0.0 => Failure::Impossible(format!(
+            "{name}: a --margin of {margin} mm leaves nothing of the plate: check units, and lower --margin"
+        )),
+        error => Failure::Input(format!("{name}: {error}")),
+    })?;
     progress.stage("tracing light over the plate");
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
-    let no_light = || match progress.is_cancelled() {
-        true => Failure::Stopped,
-        false => Failure::Impossible(format!(
+    let no_light = || {
+        Failure::Impossible(format!(
             "{name}: no light reaches the highlight image: check units, orientation and --light"
-        )),
+        ))
     };
     let measurement = measure(&surface, &setup, &measuring, &progress).ok_or_else(no_light)?;
     progress.stage("scoring");
@@ -108,7 +112,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         },
         "highlight": recipe.highlight,
         "light": recipe.light,
-        "margin_mm": args.margin,
+        "margin_mm": margin,
         "measured": proof.verdict.to_json(),
         "advice": advice,
     });
@@ -124,22 +128,18 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     );
     write_proof(&mut staged, &proof, &recipe, setup.view(), footer)?;
     staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
-    if progress.is_cancelled() {
-        return Err(Failure::Stopped);
-    }
     staged.publish()?;
     stages.finish();
     if args.running.json {
-        print_json(&report);
-    } else if !args.running.quiet {
-        print_verdict(args, &proof.verdict);
-        let notes = picture.notes.iter().chain(&advice);
-        notes.for_each(|sentence| print_line(&format!("  Note: {sentence}")));
+        print_json(&report)?;
+    } else if !quiet {
+        let notes: Vec<String> = picture.notes.iter().chain(&advice).cloned().collect();
+        let mut table = vec![
+            row("plate", format!("{:.2} × {:.2} mm", size.x, size.y), format!("of {} triangles", mesh.triangles.len())),
+            row("relief", format!("{:.3} mm", top - bottom), "from its lowest to its highest point"),
+        ];
+        table.extend(verdict_rows(&proof.verdict));
+        print_table(&format!("Wrote {}; look at comparison.png first", args.output.display()), &table, &notes)?;
     }
     Ok(())
-}
-
-fn print_verdict(args: &VerifyArgs, verdict: &Verdict) {
-    let rows = crate::console::verdict_rows(verdict);
-    print_table(&format!("Wrote {}: comparison and report", args.output.display()), &rows);
 }

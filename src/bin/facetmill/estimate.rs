@@ -1,0 +1,138 @@
+//! What a design would be, from its sizes alone.
+
+use facetmill::export::stl::stl_bytes;
+use facetmill::facets::sample::Sampling;
+use facetmill::recipe::{Arrangement, Recipe};
+use serde_json::{Value, json};
+
+use crate::console::{print_json, print_table, rays, row};
+use crate::files::OutputError;
+
+/// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
+type Measured = &'static [(f64, f64)];
+
+const VORONOI: Measured =
+    &[(25.0, 0.01), (100.0, 0.02), (400.0, 0.04), (900.0, 0.2), (2400.0, 0.43), (1e4, 0.4), (4e4, 1.1), (1.6e5, 4.1)];
+
+/// Up to 1024 facets in one exact assignment, beyond that in windows, beyond 200 000 in fewer rounds of them.
+const TRANSPORT: Measured = &[
+    (100.0, 0.002),
+    (400.0, 0.035),
+    (900.0, 0.36),
+    (1024.0, 0.5),
+    (1025.0, 0.11),
+    (2400.0, 0.3),
+    (1e4, 1.75),
+    (4e4, 6.1),
+    (1.6e5, 31.0),
+    (2e5, 40.0),
+    (2.0001e5, 22.5),
+    (4e6, 510.0),
+];
+
+/// CPU seconds an exchange of facets tried in annealing.
+const EXCHANGE: f64 = 3.8e-8;
+
+/// CPU seconds for the pictures and the rest of the files.
+const FILES: f64 = 0.63;
+
+/// CPU seconds for scoring, and a ray.
+const PROOF: (f64, f64) = (0.5, 1.1e-7);
+
+/// Tells the estimate, as JSON or as a table.
+pub fn tell(recipe: &Recipe, proved: bool, to_json: bool, quiet: bool) -> Result<(), OutputError> {
+    let facts = facts(recipe, proved);
+    if to_json {
+        print_json(&facts)
+    } else if quiet {
+        Ok(())
+    } else {
+        print(recipe, &facts)
+    }
+}
+
+/// The facts, "about" being within a third.
+fn facts(recipe: &Recipe, proved: bool) -> Value {
+    let [columns, rows] = recipe.plate.facets;
+    let facets = columns * rows;
+    let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
+    // Measured on drawings and photographs: 8.4 to 11 triangles a facet with its walls. The rest is sides and base.
+    let triangles = 19 * facets / 2 + 8 * (columns + rows);
+    let proof = if proved { PROOF.0 + PROOF.1 * recipe.verify.rays as f64 } else { 0.0 };
+    json!({
+        "dry_run": true,
+        "plate_mm": recipe.plate.size.map(|side| side + rim),
+        "pitch_mm": [pitch.x, pitch.y],
+        "facets": facets,
+        "stl_triangles_about": triangles,
+        "stl_bytes_about": stl_bytes(triangles),
+        "design_cpu_seconds_about": design_seconds(recipe),
+        "verify_cpu_seconds_about": proof,
+        "files_cpu_seconds_about": FILES + 2e-6 * facets as f64,
+    })
+}
+
+fn design_seconds(recipe: &Recipe) -> f64 {
+    let [columns, rows] = recipe.plate.facets;
+    let facets = (columns * rows) as f64;
+    let cells = (recipe.plate.cells * recipe.plate.cells) as f64;
+    let sampling = match recipe.design.sample {
+        Sampling::Voronoi => interpolated(VORONOI, facets),
+        Sampling::Random | Sampling::Sobol => 2e-7 * facets,
+    };
+    let annealing = &recipe.design.annealing;
+    let arrangement = match recipe.design.arrange {
+        Arrangement::Transport => cells * interpolated(TRANSPORT, facets / cells),
+        Arrangement::Anneal => cells * EXCHANGE * (annealing.swaps as f64) * f64::from(annealing.starts),
+        Arrangement::Random => 0.0,
+    };
+    0.01 + sampling + arrangement
+}
+
+/// A power law between the measured sizes, in proportion to size beyond them.
+fn interpolated(measured: Measured, size: f64) -> f64 {
+    let (first, last) = (measured[0], measured[measured.len() - 1]);
+    if size <= first.0 || size >= last.0 {
+        let nearest = if size <= first.0 { first } else { last };
+        return nearest.1 * size / nearest.0;
+    }
+    let next = measured.partition_point(|(at, _)| *at <= size);
+    let ((x0, y0), (x1, y1)) = (measured[next - 1], measured[next]);
+    y0 * (y1 / y0).powf((size / x0).ln() / (x1 / x0).ln())
+}
+
+fn print(recipe: &Recipe, facts: &Value) -> Result<(), OutputError> {
+    let number = |key: &str| facts[key].as_f64().unwrap_or(0.0);
+    let [columns, rows] = recipe.plate.facets;
+    let [width, height] = recipe.plate.size.map(|side| side + 2.0 * recipe.plate.border);
+    let pitch = recipe.pitch();
+    let megabytes = number("stl_bytes_about") / 1e6;
+    let [design, proof, files] =
+        ["design", "verify", "files"].map(|stage| number(&format!("{stage}_cpu_seconds_about")));
+    let table = [
+        row("plate", format!("{width} × {height} mm"), "with its rim"),
+        row("facets", format!("{columns} × {rows}"), format!("each {:.3} × {:.3} mm", pitch.x, pitch.y)),
+        row("plate.stl", format!("about {megabytes:.1} MB"), format!("{} triangles", facts["stl_triangles_about"])),
+        row("design", format!("about {design:.1} s"), "of CPU time"),
+        row(
+            "proof",
+            format!("about {proof:.1} s"),
+            if proof > 0.0 { format!("for {} rays", rays(recipe.verify.rays)) } else { "not asked for".into() },
+        ),
+        row("files", format!("about {files:.1} s"), "mostly for pictures"),
+    ];
+    print_table("Dry run: nothing was designed or written", &table, &[])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_measurements_is_a_power_law_and_beyond_them_proportion() {
+        let square: Measured = &[(1.0, 1.0), (10.0, 100.0), (20.0, 400.0)];
+        for (size, seconds) in [(1.0, 1.0), (3.0, 9.0), (10.0, 100.0), (15.0, 225.0), (40.0, 800.0), (0.5, 0.5)] {
+            assert!((interpolated(square, size) / seconds - 1.0).abs() < 1e-12, "{size}");
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Input files opened with care: a pipe nobody writes to would wait for ever, a device never end.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use facetmill::recipe::Recipe;
+
+use crate::console::Failure;
+
+/// Largest recipe read, bytes.
+const LARGEST_RECIPE: u64 = 1 << 20;
+
+/// Opens a regular file.
+pub fn open(path: &Path) -> Result<File, Failure> {
+    let name = path.display();
+    let cannot = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => Failure::Input(format!("{name}: there is no such file; check the path")),
+        _ => Failure::Input(format!("{name}: the file cannot be read ({error}); check its permissions")),
+    };
+    let about = path.metadata().map_err(cannot)?;
+    if !about.is_file() {
+        let found = if about.is_dir() { "a directory" } else { "a device or a pipe" };
+        return Err(Failure::Input(format!("{name}: this is {found}, not a file; name a file")));
+    }
+    File::open(path).map_err(cannot)
+}
+
+/// Reads a recipe file; its numbers are not checked yet.
+pub fn recipe(path: &Path) -> Result<Recipe, Failure> {
+    let name = path.display();
+    let mut text = String::new();
+    let cannot = |what: String| Failure::Input(format!("{name}: {what}"));
+    let file = open(path)?;
+    if file.metadata().is_ok_and(|about| about.len() > LARGEST_RECIPE) {
+        return Err(cannot("this is too large for a recipe; name a recipe.toml".into()));
+    }
+    file.take(LARGEST_RECIPE)
+        .read_to_string(&mut text)
+        .map_err(|error| cannot(format!("this is no recipe ({error}); name a recipe.toml")))?;
+    Recipe::from_toml(&text).map_err(|error| cannot(error.to_string()))
+}
