@@ -117,7 +117,7 @@ impl<'a> Field<'a> {
 }
 
 /// Grid points across the image at the most.
-const FINEST: usize = 256;
+const FINEST: usize = 192;
 
 /// The next even number with no prime factor above 5, for which transforms are fast.
 fn even_smooth(n: usize) -> usize {
