@@ -131,6 +131,8 @@ mod tests {
         assert_eq!(Recipe::from_toml(""), Ok(Recipe::default()));
         let typo = Recipe::from_toml("[light]\ntheta = 30\nthata = 3\n").unwrap_err();
         assert!(matches!(&typo, RecipeError::Unreadable(what, 3) if what.contains("thata")), "{typo:?}");
+        let third = Recipe::from_toml("[plate]\nsize = [30, 30, 30]\n").unwrap_err();
+        assert!(matches!(&third, RecipeError::Unreadable(what, 2) if what.contains("two")), "{third:?}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod run;
 
 pub mod report;
 
+use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
 pub use check::RecipeError;
@@ -102,8 +103,10 @@ pub struct LightSettings {
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct PlateSettings {
     /// Optical area along x and y, mm.
+    #[serde(deserialize_with = "pair")]
     pub size: [f64; 2],
     /// Facets along x and y, on the whole plate.
+    #[serde(deserialize_with = "pair")]
     pub facets: [usize; 2],
     /// The whole highlight is repeated in this many cells along each side.
     pub cells: usize,
@@ -265,6 +268,12 @@ impl Recipe {
     pub fn from_toml(text: &str) -> Result<Self, RecipeError> {
         toml::from_str(text).map_err(|error| RecipeError::Unreadable(error.message().to_owned(), line_of(text, &error)))
     }
+}
+
+/// Exactly two values: TOML's own reading of an array ignores what is too many.
+fn pair<'de, T: Deserialize<'de>, D: Deserializer<'de>>(toml: D) -> Result<[T; 2], D::Error> {
+    let values = Vec::<T>::deserialize(toml)?;
+    values.try_into().map_err(|v: Vec<T>| D::Error::invalid_length(v.len(), &"two numbers, along x and y"))
 }
 
 fn line_of(text: &str, error: &toml::de::Error) -> usize {
