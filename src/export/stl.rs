@@ -274,7 +274,10 @@ pub enum StlError {
     #[error("the file is neither a binary nor a text STL; name the plate's STL file")]
     NotStl,
     /// A binary file whose length does not fit its count of triangles.
-    #[error("the STL file promises {promised} triangles but holds {room}; it is truncated, damaged or no STL at all")]
+    #[error(
+        "the STL file's length does not fit the {promised} triangles it promises (it has room for {room}): \
+         it is truncated, damaged or no STL at all"
+    )]
     Length {
         /// Triangles by the file's own count.
         promised: u32,
