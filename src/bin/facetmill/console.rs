@@ -48,7 +48,11 @@ impl Failure {
 
 impl From<PictureError> for Failure {
     fn from(error: PictureError) -> Self {
-        Self::Input(error.to_string())
+        match error {
+            // The picture is sound; the flags cut off what it holds.
+            PictureError::CutAway { .. } => Self::Impossible(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
     }
 }
 
@@ -74,9 +78,16 @@ pub fn report_failure(failure: &Failure, to_json: bool) -> u8 {
     code
 }
 
-/// Names of files can hold anything, line ends and commands to the terminal too.
+/// Names of files can hold anything, line ends and commands to the terminal too, and be thousands of letters long.
 fn one_line(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+    const MOST: usize = 500;
+    let clean = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let letters: Vec<char> = text.chars().map(clean).collect();
+    if letters.len() <= MOST {
+        return letters.into_iter().collect();
+    }
+    let (start, end) = (&letters[..MOST / 2], &letters[letters.len() - MOST / 2..]);
+    start.iter().chain(&['…']).chain(end).collect()
 }
 
 /// JSON facts, indented.

@@ -77,11 +77,13 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
 /// The effective recipe, and the file of its picture.
 fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
     let from_file = args.recipe.as_deref().map(inputs::recipe).transpose()?;
-    let mut recipe = from_file.clone().unwrap_or_else(|| args.base());
+    // As text: what is not a number does not equal itself.
+    let fault = from_file.as_ref().and_then(|recipe| recipe.check().err()).map(|error| error.to_string());
+    let mut recipe = from_file.unwrap_or_else(|| args.base());
     args.apply(&mut recipe);
     recipe.check().map_err(|error| {
         // Flags may mend a recipe; what they do not mend is the recipe's fault, and the file is to be named.
-        let file = args.recipe.as_deref().filter(|_| from_file.is_some_and(|old| old.check().as_ref() == Err(&error)));
+        let file = args.recipe.as_deref().filter(|_| fault.as_ref() == Some(&error.to_string()));
         match (error.is_impossible(), file) {
             (true, None) => Failure::Impossible(error.to_string()),
             (true, Some(file)) => Failure::Impossible(format!("{}: {error}", file.display())),
@@ -91,12 +93,12 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
     })?;
     let path = match (&args.picture, &recipe.picture, &args.recipe) {
         (Some(path), _, _) => path.clone(),
-        (None, Some(name), _) => PathBuf::from(name),
-        (None, None, Some(file)) => {
+        (None, Some(name), _) if !name.is_empty() => PathBuf::from(name),
+        (None, _, Some(file)) => {
             let name = file.display();
             return Err(Failure::Input(format!("{name}: the recipe names no picture: give one on the command line")));
         }
-        (None, None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
+        (None, _, None) => return Err(Failure::Usage("no picture was given: name one".into())),
     };
     Ok((recipe, path))
 }

@@ -22,6 +22,10 @@ use crate::outputs::{write_proof, write_target};
 /// Every file that a verification may write.
 const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
+/// Lengths between which a plate is believed, mm.
+const SMALLEST: f64 = 1e-3;
+const LARGEST: f64 = 1e7;
+
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
@@ -50,6 +54,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
     let name = args.plate.display();
     let mesh = read_stl(&mut inputs::open(&args.plate)?).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let (low, high) = mesh.bounds();
+    let size = high - low;
+    if !(SMALLEST..=LARGEST).contains(&size.max_element()) {
+        let length = size.max_element();
+        let sentence =
+            format!("{name}: the plate is {length:.1e} mm long: STL has no units, so scale it to millimetres");
+        return Err(Failure::Input(sentence));
+    }
     let picture = picture::read(&args.against, &recipe.reading())?;
 
     let stages = Stages::new(quiet);
@@ -60,6 +72,9 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let surface = MeshSurface::new(&mesh, margin).map_err(|error| match error {
         MeshSurfaceError::Margin { .. } if margin > 0.0 => Failure::Impossible(format!(
             "{name}: a --margin of {margin} mm leaves nothing of the plate: check units, and lower --margin"
+        )),
+        MeshSurfaceError::Margin { .. } => Failure::Input(format!(
+            "{name}: all points of the plate lie on a line, seen from above: nothing can reflect"
         )),
         error => Failure::Input(format!("{name}: {error}")),
     })?;
@@ -77,8 +92,6 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let proof = Proof { target, measurement, verdict };
 
     progress.stage("writing files");
-    let (low, high) = mesh.bounds();
-    let size = high - low;
     let (bottom, top) = surface.height_range();
     let mut advice = Vec::new();
     if open > 0 {
