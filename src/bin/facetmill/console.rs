@@ -193,8 +193,12 @@ impl Stages {
 
     /// Ends the last stage's line.
     pub fn finish(&self) {
-        if let Ok(mut present) = self.present.lock() {
+        if let Ok(mut present) = self.present.lock()
+            && present.is_some()
+        {
             close(&mut present);
+            // The line was filled up to its end but not ended.
+            let _ = writeln!(io::stderr());
         }
     }
 }
