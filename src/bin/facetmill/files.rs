@@ -44,7 +44,11 @@ impl Staged {
         if let Some(name) = own.iter().find(|name| folder.join(name).is_dir()) {
             return Err(OutputError::AFolder(folder.join(name)));
         }
-        Aside::open(folder).map_err(cannot)?;
+        {
+            // Ctrl-C waits until the trial is cleared away.
+            let _gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
+            drop(Aside::open(folder).map_err(cannot)?);
+        }
         Ok(Self { folder: folder.to_owned(), own, written: Vec::new() })
     }
 
