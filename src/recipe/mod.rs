@@ -218,13 +218,7 @@ impl Recipe {
         recipe.design.arrange = Arrangement::Anneal;
         // A valley a little dearer than in our reading of the printed weights, and the best of three runs: measured on
         // two spirals and six seeds, A_v falls to 0.39 to 0.62 of random order and V to 0.39 to 0.47 (paper: 0.55, 0.46).
-        recipe.design.annealing = Annealing {
-            energy: Energy::Weyrich2009,
-            swaps: 7_000_000,
-            starts: 3,
-            valleys: 1.15,
-            ..Annealing::default()
-        };
+        recipe.design.annealing = Annealing { energy: Energy::Weyrich2009, swaps: 7_000_000, starts: 3, valleys: 1.15 };
         recipe.design.heights = Some(Heights::Weyrich2009);
         recipe.design.distribution = DistributionSettings { slope_cap: 65.0, level: true };
         recipe
