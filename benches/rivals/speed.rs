@@ -1,0 +1,145 @@
+//! Three jobs that other programs can do too, timed in CPU seconds of one thread. `run.py` beside it runs both sides.
+//!
+//! ```text
+//! speed paths DIR N           mirror paths over the plate that `facetmill design` left in DIR, by either tracer
+//! speed w1 A.png B.png        the exact transport distance between two highlights, 64 × 64 pixels
+//! speed assignment DIR COST   DIR's facets to their places, exactly; leaves the cost matrix in COST (f64, little-endian)
+//! ```
+//!
+//! Each prints one JSON object: seconds by job, and what came out, so that both sides can be seen to have solved the same.
+
+use std::error::Error;
+use std::fs::{File, read_to_string, write};
+use std::path::Path;
+
+use cpu_time::ThreadTime;
+use facetmill::export::stl::read_stl;
+use facetmill::facets::arrange::assignment::cheapest_assignment;
+use facetmill::facets::arrange::{random_order, transport};
+use facetmill::picture;
+use facetmill::progress::Progress;
+use facetmill::recipe::Recipe;
+use facetmill::recipe::run::{Design, design};
+use facetmill::slope::mirror;
+use facetmill::trace::Surface;
+use facetmill::trace::grid::GridSurface;
+use facetmill::trace::mesh::MeshSurface;
+use facetmill::verify::measure::{Measuring, measure};
+use facetmill::verify::wasserstein::exact_w1;
+use glam::{DVec2, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use serde_json::{Value, json};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    // Work that would be shared out stays on this thread, whose time is taken.
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
+    let outcome = match words.as_slice() {
+        ["paths", directory, paths] => paths_over(directory.as_ref(), paths.parse::<f64>()?.sqrt() as usize),
+        ["w1", a, b] => distance(a.as_ref(), b.as_ref()),
+        ["assignment", directory, cost] => assignment(directory.as_ref(), cost.as_ref()),
+        _ => Err("usage: speed paths DIR N | speed w1 A.png B.png | speed assignment DIR COST".into()),
+    }?;
+    println!("{outcome}");
+    Ok(())
+}
+
+/// What `job` makes, and the CPU seconds that it takes.
+fn timed<T>(job: impl FnOnce() -> T) -> (T, f64) {
+    let start = ThreadTime::now();
+    let made = job();
+    (made, start.elapsed().as_secs_f64())
+}
+
+/// The design of a folder, made again from its recipe: files do not hold the exact relief.
+fn redesigned(directory: &Path) -> Result<(Recipe, Design), Box<dyn Error>> {
+    let recipe = Recipe::from_toml(&read_to_string(directory.join("recipe.toml"))?)?;
+    let light = picture::read(recipe.picture.as_deref().unwrap_or_default().as_ref(), &recipe.reading())?.light;
+    let made = design(&recipe, &light, &Progress::silent())?;
+    Ok((recipe, made))
+}
+
+/// The job of a bare loop over Embree: paths from straight above, starts on a jittered grid in row order, mirror bounces,
+/// what leaves upward collected in an image. `measure` is what `design` itself does with paths, all its tallies included.
+fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
+    let (recipe, made) = redesigned(directory)?;
+    let mesh = read_stl(&mut File::open(directory.join("plate.stl"))?)?;
+    if mesh.triangles.len() != made.mesh.triangles.len() {
+        return Err("plate.stl is not what recipe.toml makes".into());
+    }
+    let grid = GridSurface::new(&made.relief);
+    let (surface, planting) = timed(|| MeshSurface::new(&mesh, 0.0));
+    let surface = surface?;
+    let (escaped, by_grid) = timed(|| trace(&grid, side));
+    let (also, by_mesh) = timed(|| trace(&surface, side));
+    let measuring = Measuring { rays: (side * side) as u64, ..Measuring::default() };
+    let (_, measured) = timed(|| measure(&grid, &recipe.setup(), &measuring, &Progress::silent()));
+    Ok(json!({
+        "triangles": mesh.triangles.len(), "paths": side * side, "escaped": escaped, "escaped_mesh": also,
+        "seconds": { "grid": by_grid, "mesh": by_mesh, "measure": measured, "planting": planting },
+    }))
+}
+
+/// Pixels a side of the image that collects the light.
+const PIXELS: usize = 512;
+
+/// Mirror bounces followed.
+const BOUNCES: usize = 8;
+
+/// Sends `side`² paths over the surface; the share that leaves upward.
+fn trace<S: Surface>(surface: &S, side: usize) -> f64 {
+    let (low, high) = surface.optical_area();
+    let top = surface.height_range().1 + 1.0;
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(777);
+    let mut image = vec![0.0f32; PIXELS * PIXELS];
+    for row in 0..side {
+        for column in 0..side {
+            let cell = DVec2::new(column as f64, row as f64);
+            let at = (cell + DVec2::new(random.random(), random.random())) / side as f64;
+            let origin = (low + (high - low) * at).extend(top);
+            let Some(d) = leaves(surface, origin) else { continue };
+            let pixel = |c: f64| ((c / (1.0 + d.z) * 0.5 + 0.5) * (PIXELS - 1) as f64) as usize;
+            image[pixel(d.y) * PIXELS + pixel(d.x)] += 1.0;
+        }
+    }
+    image.iter().map(|&light| f64::from(light)).sum::<f64>() / (side * side) as f64
+}
+
+/// Where light from straight above goes in the end, if that is up.
+fn leaves<S: Surface>(surface: &S, origin: DVec3) -> Option<DVec3> {
+    let mut direction = -DVec3::Z;
+    let mut hit = surface.first(origin, direction)?;
+    for _ in 0..BOUNCES {
+        direction = mirror(-direction, hit.normal);
+        match surface.next(&hit, direction) {
+            Some(next) => hit = next,
+            None => return (direction.z > 0.0).then_some(direction),
+        }
+    }
+    None
+}
+
+/// Pictures as flux over the default field; resampling and costs are part of the time.
+fn distance(a: &Path, b: &Path) -> Result<Value, Box<dyn Error>> {
+    let recipe = Recipe::default();
+    let (a, b) = (picture::read(a, &recipe.reading())?.light, picture::read(b, &recipe.reading())?.light);
+    let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64));
+    Ok(json!({ "w1_deg": w1, "seconds": seconds }))
+}
+
+/// The assignment behind the transport arrangement, from slopes in no order.
+fn assignment(directory: &Path, cost_file: &Path) -> Result<Value, Box<dyn Error>> {
+    let mut grid = redesigned(directory)?.1.grid;
+    random_order(&mut grid, 1);
+    let (n, columns) = (grid.slopes.len(), grid.columns);
+    let place = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64);
+    let cost: Vec<f64> = (0..n * n).map(|k| grid.slopes[k % n].to_vec().dot(place(k / n))).collect();
+    write(cost_file, cost.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>())?;
+    let (order, seconds) = timed(|| cheapest_assignment(n, &cost));
+    let total: f64 = order.iter().enumerate().map(|(i, &j)| cost[i * n + j]).sum();
+    let dome = || transport::dome(grid.slopes.clone(), columns, grid.rows, DVec2::ONE, &Progress::silent());
+    let (_, arranging) = timed(dome);
+    Ok(json!({ "n": n, "total": total, "seconds": seconds, "seconds_arranging": arranging }))
+}
