@@ -112,7 +112,7 @@ fn leaves<S: Surface>(surface: &S, origin: DVec3) -> Option<DVec3> {
     let mut direction = -DVec3::Z;
     let mut hit = surface.first(origin, direction)?;
     for _ in 0..BOUNCES {
-        direction = mirror(-direction, hit.normal);
+        direction = mirror(-direction, surface.normal(hit.place));
         match surface.next(&hit, direction) {
             Some(next) => hit = next,
             None => return (direction.z > 0.0).then_some(direction),

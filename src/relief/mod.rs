@@ -1,5 +1,9 @@
-//! Reliefs in millimetres: planes over a grid, and the triangles that are written.
+//! Reliefs in millimetres: planes or triangles over a grid, and the triangles that are written.
 
 pub mod faceted;
 
+pub mod heights;
+
 pub mod mesh;
+
+pub mod recognise;

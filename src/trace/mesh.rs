@@ -179,8 +179,7 @@ impl MeshSurface {
 
     fn hit(&self, k: u32, weights: DVec3) -> Hit<u32> {
         let [a, b, c] = self.triangles[k as usize].map(double);
-        let cross = (b - a).cross(c - a);
-        let twice_area = cross.length();
+        let twice_area = (b - a).cross(c - a).length();
         let mut weights = weights;
         if weights.min_element() < 0.1 {
             // A weight is the distance from the opposite edge over the height above it, twice the area by the edge.
@@ -190,8 +189,6 @@ impl MeshSurface {
         }
         Hit {
             point: weights.x * a + weights.y * b + weights.z * c,
-            normal: cross / twice_area,
-            kind: self.kinds[k as usize],
             place: k,
         }
     }
@@ -227,6 +224,15 @@ impl Surface for MeshSurface {
 
     fn next(&self, from: &Hit<u32>, direction: DVec3) -> Option<Hit<u32>> {
         self.nearest(from.point, unit(direction)?, Some(from.place))
+    }
+
+    fn normal(&self, place: u32) -> DVec3 {
+        let [a, b, c] = self.triangles[place as usize].map(double);
+        (b - a).cross(c - a).normalize()
+    }
+
+    fn kind(&self, place: u32) -> Kind {
+        self.kinds[place as usize]
     }
 
     fn optical_area(&self) -> (DVec2, DVec2) {

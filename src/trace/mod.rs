@@ -1,5 +1,11 @@
 //! Rays over a surface: what they meet first, and next.
 
+pub mod lines;
+
+pub mod cones;
+
+pub mod field;
+
 pub mod grid;
 
 pub mod mesh;
@@ -18,15 +24,11 @@ pub enum Kind {
 }
 
 /// A point where a ray meets the surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<Place> {
     /// Where, mm.
     pub point: DVec3,
-    /// Unit normal, out of the solid.
-    pub normal: DVec3,
-    /// What was met.
-    pub kind: Kind,
-    /// The surface's own name for the spot, from which the next stretch of the path starts.
+    /// The surface's own name for the piece that was met: it tells normal and kind, and the next stretch starts there.
     pub place: Place,
 }
 
@@ -35,14 +37,20 @@ pub struct Hit<Place> {
 /// A path is one [`first`](Surface::first) and then a [`next`](Surface::next) for each bounce; starting from the
 /// last hit's own place rather than from a point nearby is what keeps a ray from meeting its own facet again.
 pub trait Surface: Sync {
-    /// Names a spot on the surface.
-    type Place: Copy;
+    /// Names a planar piece of the surface.
+    type Place: Copy + PartialEq + Send + Sync;
 
     /// The first hit of a ray from outside the surface's box. `direction` is a unit vector.
     fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit<Self::Place>>;
 
     /// The next hit of a ray that leaves `from` along the unit vector `direction`.
     fn next(&self, from: &Hit<Self::Place>, direction: DVec3) -> Option<Hit<Self::Place>>;
+
+    /// Unit normal of a piece, out of the solid.
+    fn normal(&self, place: Self::Place) -> DVec3;
+
+    /// What a piece is.
+    fn kind(&self, place: Self::Place) -> Kind;
 
     /// Lower-left and upper-right corner of the optical area, mm.
     fn optical_area(&self) -> (DVec2, DVec2);

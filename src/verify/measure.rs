@@ -270,27 +270,27 @@ fn follow<S: Surface>(
     let (low, high) = surface.optical_area();
     let inside = |hit: &Hit<S::Place>| {
         let at = hit.point.truncate();
-        hit.kind != Kind::Outer && (at.cmpge(low) & at.cmple(high)).all()
+        surface.kind(hit.place) != Kind::Outer && (at.cmpge(low) & at.cmple(high)).all()
     };
     let Some(mut hit) = surface.first(origin, direction).filter(inside) else { return };
     tally.incident += weight;
     tally.rays += 1;
-    if hit.kind == Kind::Wall {
+    if surface.kind(hit.place) == Kind::Wall {
         tally.first_hit_wall += weight;
     }
     for bounce in 1..=max_bounces + 1 {
-        if direction.dot(hit.normal) >= 0.0 {
+        if direction.dot(surface.normal(hit.place)) >= 0.0 {
             tally.backface += weight;
             return;
         }
-        if hit.kind == Kind::Outer {
+        if surface.kind(hit.place) == Kind::Outer {
             tally.absorbed += weight;
             return;
         }
         if bounce > max_bounces {
             break;
         }
-        direction = mirror(-direction, hit.normal);
+        direction = mirror(-direction, surface.normal(hit.place));
         match surface.next(&hit, direction) {
             Some(next) => hit = next,
             None if direction.z > 0.0 => {

@@ -1,0 +1,235 @@
+//! A mesh that is a relief on a grid, known as one again: whoever wrote it, it can be traced without a tree.
+//!
+//! A grid line may be drawn wherever no triangle that faces up reaches across it. The rectangles between such lines
+//! hold one plane each, or two triangles between four nodes, or the mesh is no grid.
+
+use glam::{DVec2, DVec3};
+
+use super::faceted::{Facet, FacetedRelief};
+use super::heights::HeightGrid;
+use super::mesh::Mesh;
+use crate::slope::Slope;
+
+/// What a mesh was found to be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Recognised {
+    /// A plane over each rectangle.
+    Facets(FacetedRelief),
+    /// Two triangles over each rectangle, neighbours meeting at the nodes.
+    Heights(HeightGrid),
+}
+
+/// How far a corner may lie off its facet's plane, as a share of the shorter side of the rectangle: what writers that
+/// join corners nearly as high as each other leave.
+const FLATNESS: f64 = 5e-5;
+
+/// A triangle counts as facing up beyond this part of its unit normal along z.
+const UPRIGHT: f64 = 1e-3;
+
+/// The relief on a grid that the upper side of `mesh` is, if it is one; steps of rounding height are closed.
+///
+/// The optical area is all of it. Time grows as that of sorting the triangles.
+pub fn recognise(mesh: &Mesh) -> Option<Recognised> {
+    let up: Vec<usize> = (0..mesh.triangles.len()).filter(|&k| faces_up(mesh, k)).collect();
+    let (low, high) = mesh.bounds();
+    let x = free_lines(mesh, &up, 0)?;
+    let y = free_lines(mesh, &up, 1)?;
+    let ends = |lines: &[f64], axis: usize| lines[0] == low[axis] && lines[lines.len() - 1] == high[axis];
+    let cells = (x.len() - 1).checked_mul(y.len() - 1)?;
+    if cells > up.len() || !ends(&x, 0) || !ends(&y, 1) {
+        return None;
+    }
+    let interval = |lines: &[f64], at: f64| lines.partition_point(|&line| line <= at).clamp(1, lines.len() - 1) - 1;
+    let cell_of = |k: usize| {
+        let [a, b, c] = mesh.corners(k);
+        let middle = (a + b + c) / 3.0;
+        interval(&y, middle.y) * (x.len() - 1) + interval(&x, middle.x)
+    };
+    let homes: Vec<u32> = up.iter().map(|&k| cell_of(k) as u32).collect();
+    facets(mesh, &up, &homes, &x, &y)
+        .map(Recognised::Facets)
+        .or_else(|| nodes(mesh, &up, &homes, &x, &y).map(Recognised::Heights))
+}
+
+fn faces_up(mesh: &Mesh, k: usize) -> bool {
+    let [a, b, c] = mesh.corners(k);
+    let cross = (b - a).cross(c - a);
+    cross.z > UPRIGHT * cross.length()
+}
+
+/// All coordinates along `axis` that no triangle reaches across.
+fn free_lines(mesh: &Mesh, up: &[usize], axis: usize) -> Option<Vec<f64>> {
+    let span = |k: usize| {
+        let along = mesh.triangles[k].map(|v| mesh.vertices[v as usize][axis]);
+        along.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &c| (a.min(c), b.max(c)))
+    };
+    let mut ends: Vec<f32> = up.iter().flat_map(|&k| <[f32; 2]>::from(span(k))).collect();
+    ends.sort_unstable_by(f32::total_cmp);
+    ends.dedup();
+    // Crossings begin after a triangle's lower end and stop at its upper one.
+    let mut crossings = vec![0i32; ends.len() + 1];
+    let index = |c: f32| ends.partition_point(|&end| end < c);
+    for &k in up {
+        let (from, to) = span(k);
+        crossings[index(from) + 1] += 1;
+        crossings[index(to)] -= 1;
+    }
+    let mut open = 0;
+    let free = ends.iter().zip(&crossings).filter_map(|(&at, change)| {
+        open += change;
+        (open == 0).then_some(f64::from(at))
+    });
+    let lines: Vec<f64> = free.collect();
+    (lines.len() >= 2).then_some(lines)
+}
+
+fn facets(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Option<FacetedRelief> {
+    let columns = x.len() - 1;
+    // Area and its moments: gradient and height weighted by the triangles' footprints.
+    let mut sums = vec![(0.0, DVec2::ZERO); columns * (y.len() - 1)];
+    for (&k, &home) in up.iter().zip(homes) {
+        let [a, b, c] = mesh.corners(k);
+        let cross = 0.5 * (b - a).cross(c - a);
+        let sum = &mut sums[home as usize];
+        *sum = (sum.0 + cross.z, sum.1 - cross.truncate());
+    }
+    let rectangle = |home: usize| {
+        let (i, j) = (home % columns, home / columns);
+        (DVec2::new(x[i], y[j]), DVec2::new(x[i + 1], y[j + 1]))
+    };
+    let covered = sums.iter().enumerate().all(|(home, (area, _))| {
+        let (low, high) = rectangle(home);
+        let whole = (high - low).element_product();
+        (area - whole).abs() <= 1e-3 * whole
+    });
+    if !covered {
+        return None;
+    }
+    let gradient = |home: usize| sums[home].1 / sums[home].0;
+    // The height of the plane that leaves as much of the facet above as below: mean over the corners, by footprint.
+    let mut heights = vec![0.0; sums.len()];
+    let over_middle = |v: DVec3, home: usize| {
+        let (low, high) = rectangle(home);
+        v.z - gradient(home).dot(v.truncate() - 0.5 * (low + high))
+    };
+    for (&k, &home) in up.iter().zip(homes) {
+        let corners = mesh.corners(k);
+        let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).z;
+        let mean = corners.iter().map(|&v| over_middle(v, home as usize)).sum::<f64>() / 3.0;
+        heights[home as usize] += mean * area / sums[home as usize].0;
+    }
+    let rounding = rounding(mesh);
+    let flat = up.iter().zip(homes).all(|(&k, &home)| {
+        let home = home as usize;
+        let (low, high) = rectangle(home);
+        let tolerance = FLATNESS * (high - low).min_element() + rounding;
+        mesh.corners(k).iter().all(|&v| (over_middle(v, home) - heights[home]).abs() <= tolerance)
+    });
+    let facet = |home: usize| Facet { height: heights[home], slope: Slope::from_vec(gradient(home)) };
+    flat.then(|| FacetedRelief {
+        x: x.to_vec(),
+        y: y.to_vec(),
+        facets: (0..sums.len()).map(facet).collect(),
+        optical: (0..columns, 0..y.len() - 1),
+    })
+}
+
+fn nodes(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Option<HeightGrid> {
+    let columns = x.len() - 1;
+    if up.len() != 2 * columns * (y.len() - 1) {
+        return None;
+    }
+    let rounding = rounding(mesh);
+    let mut heights = vec![f64::NAN; x.len() * y.len()];
+    // Which of each square's two triangles have been seen: bit 0 the lower left one.
+    let mut seen = vec![0u8; columns * (y.len() - 1)];
+    for (&k, &home) in up.iter().zip(homes) {
+        let (i, j) = (home as usize % columns, home as usize / columns);
+        let mut corners = 0u8;
+        for v in mesh.corners(k) {
+            let side = |at: f64, low: f64, high: f64| {
+                if at == low { Some(0) } else { (at == high).then_some(1) }
+            };
+            let (a, b) = (side(v.x, x[i], x[i + 1])?, side(v.y, y[j], y[j + 1])?);
+            corners |= 1 << (2 * b + a);
+            let height = &mut heights[(j + b) * x.len() + i + a];
+            if !height.is_nan() && (*height - v.z).abs() > rounding {
+                return None;
+            }
+            *height = v.z;
+        }
+        // Bits: lower left 1, lower right 2, upper left 4, upper right 8.
+        seen[home as usize] |= match corners {
+            0b0111 => 1,
+            0b1110 => 2,
+            _ => return None,
+        };
+    }
+    let whole = seen.iter().all(|&both| both == 3);
+    whole.then(|| HeightGrid { x: x.to_vec(), y: y.to_vec(), heights })
+}
+
+/// What single precision may have moved a vertex by, mm.
+fn rounding(mesh: &Mesh) -> f64 {
+    let (low, high) = mesh.bounds();
+    4.0 * f64::from(f32::EPSILON) * low.z.abs().max(high.z.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+
+    fn triangles_of_squares(x: &[f64], y: &[f64], z: impl Fn(usize, usize) -> f64, turned: bool) -> Mesh {
+        let mut mesh = Mesh::default();
+        for j in 0..y.len() {
+            for i in 0..x.len() {
+                mesh.vertices.push([x[i] as f32, y[j] as f32, z(i, j) as f32]);
+            }
+        }
+        let at = |i: usize, j: usize| (j * x.len() + i) as u32;
+        for j in 0..y.len() - 1 {
+            for i in 0..x.len() - 1 {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                mesh.triangles.extend(if turned { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_height_grid_comes_back_node_for_node() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let (x, y) = ([0.0, 0.5, 1.0, 1.5, 4.0], [-1.0, 0.0, 0.25]);
+        let heights: Vec<f64> = (0..15).map(|_| f64::from(random.random::<f32>())).collect();
+        let mesh = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], false);
+        let expected = HeightGrid { x: x.to_vec(), y: y.to_vec(), heights: heights.clone() };
+        assert_eq!(recognise(&mesh), Some(Recognised::Heights(expected)));
+        let turned = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], true);
+        assert_eq!(recognise(&turned), None);
+        let mut torn = mesh.clone();
+        torn.triangles.pop();
+        assert_eq!(recognise(&torn), None);
+    }
+
+    #[test]
+    fn one_plane_cut_into_a_grid_is_facets_of_that_plane() {
+        let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.0, 2.0, 4.0]);
+        let mesh = triangles_of_squares(&x, &y, |i, j| 1.0 + 0.25 * x[i] - 0.125 * y[j], true);
+        let Some(Recognised::Facets(relief)) = recognise(&mesh) else { panic!("not recognised") };
+        assert_eq!((relief.columns(), relief.rows()), (3, 2));
+        assert!(relief.facets.iter().all(|f| (f.slope.to_vec() - DVec2::new(0.25, -0.125)).length() < 1e-6));
+        assert!((relief.facet(0, 0).height - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_no_grid_is_not_taken_for_one() {
+        assert_eq!(recognise(&Mesh::default()), None);
+        let mut tent = triangles_of_squares(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], |i, j| (i + j) as f64 * 0.1, false);
+        // The middle vertex off its place: the lines there are crossed.
+        tent.vertices[4] = [1.2, 0.9, 0.7];
+        assert_eq!(recognise(&tent), None);
+    }
+}
