@@ -147,6 +147,8 @@ pub mod projection;
 
 pub mod setup;
 
+pub mod brdf;
+
 pub mod raster;
 
 pub mod picture;
