@@ -13,8 +13,9 @@ use facetmill::progress::Progress;
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::verify::measure::{Measurement, Measuring, measure};
+use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::score::blurred_scores;
+use facetmill::verify::tally::Measurement;
 use facetmill::verify::wasserstein::exact_w1;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -24,7 +25,7 @@ const PATHS: u64 = 250_000;
 fn light_over(surface: &impl Surface, threads: &ThreadPool) -> Measurement {
     let measuring = Measuring { rays: PATHS, ..Measuring::default() };
     let setup = subject::setup();
-    threads.install(|| measure(surface, &setup, &measuring, &Progress::silent())).unwrap()
+    threads.install(|| measure(&Experiment::new(surface, &setup), &measuring, &Progress::silent())).unwrap()
 }
 
 fn tracing(c: &mut Criterion) {

@@ -159,6 +159,12 @@ impl Material {
         matches!(self.reflection, Reflection::Full) && self.lobe.is_none()
     }
 
+    /// Whether all that it returns leaves in the mirror direction exactly, and no random number is looked at.
+    pub const fn is_smooth(&self) -> bool {
+        let scatters = matches!(self.reflection, Reflection::Coated { .. } | Reflection::Diffuse { .. });
+        self.lobe.is_none() && !scatters
+    }
+
     /// Mirror share of one smooth facet for light at `cosine` to its normal: Fresnel's, of the coat for paint.
     pub fn facet_share(&self, cosine: f64) -> f64 {
         match self.reflection {

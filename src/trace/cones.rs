@@ -66,8 +66,9 @@ fn fall(tops: &[f64], columns: usize, drop: f64, periodic: bool) -> Vec<f64> {
     while !settled {
         settled = true;
         let mut sweep = |index: usize, from: &[(isize, isize)]| {
-            let highest =
-                neighbours(index, columns, rows, periodic, from).map(|n| heights[n] - drop).fold(heights[index], f64::max);
+            let highest = neighbours(index, columns, rows, periodic, from)
+                .map(|n| heights[n] - drop)
+                .fold(heights[index], f64::max);
             settled &= highest == heights[index];
             heights[index] = highest;
         };

@@ -23,6 +23,9 @@ pub struct Stretch {
 
 /// Planar pieces over the cells of a grid; cells are named by column and row.
 pub trait Field: Sync {
+    /// Pieces of equal footprint over each cell: 1 or 2.
+    const PIECES: usize;
+
     /// Height over (x, y) in the cell (i, j), mm, and the piece that stands there.
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8);
 
@@ -37,6 +40,9 @@ pub trait Field: Sync {
 
     /// Whether a ray that is not below the cell's surface and goes along `direction` cannot meet it.
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool;
+
+    /// Height over (x, y) of the plane of one piece, mm.
+    fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64;
 
     /// Gradient (p, q) of a piece.
     fn gradient(&self, i: usize, j: usize, piece: u8) -> (f64, f64);
@@ -106,6 +112,8 @@ impl Planes {
 }
 
 impl Field for Planes {
+    const PIECES: usize = 1;
+
     #[inline]
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8) {
         (self.plane(i, j).height(x, y), 0)
@@ -119,6 +127,10 @@ impl Field for Planes {
     #[inline]
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
         self.plane(i, j).climb(direction) >= 0.0
+    }
+
+    fn height_of(&self, i: usize, j: usize, _piece: u8, x: f64, y: f64) -> f64 {
+        self.plane(i, j).height(x, y)
     }
 
     #[inline]
@@ -171,6 +183,8 @@ impl Nodes {
 }
 
 impl Field for Nodes {
+    const PIECES: usize = 2;
+
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8) {
         let piece = u8::from(self.beyond_cut(i, j, x, y) > 0.0);
         (self.triangle(i, j, piece).height(x, y), piece)
@@ -196,6 +210,10 @@ impl Field for Nodes {
 
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
         [0, 1].into_iter().all(|piece| self.triangle(i, j, piece).climb(direction) >= 0.0)
+    }
+
+    fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64 {
+        self.triangle(i, j, piece).height(x, y)
     }
 
     fn gradient(&self, i: usize, j: usize, piece: u8) -> (f64, f64) {

@@ -93,7 +93,8 @@ impl<F: Field> GridSurface<F> {
         Self { x, y, field, cones, optical, heights, periodic }
     }
 
-    fn lit_within(self, optical: (DVec2, DVec2)) -> Self {
+    /// The same surface, only light that falls between the corners `optical` counted.
+    pub fn lit_within(self, optical: (DVec2, DVec2)) -> Self {
         Self { optical, ..self }
     }
 
@@ -103,6 +104,18 @@ impl<F: Field> GridSurface<F> {
 
     fn rows(&self) -> usize {
         self.y.intervals()
+    }
+
+    /// Cell and piece of facet `k`.
+    fn split(&self, k: usize) -> (usize, usize, u8) {
+        let cell = k / F::PIECES;
+        (cell % self.columns(), cell / self.columns(), (k % F::PIECES) as u8)
+    }
+
+    /// What of a cell belongs to the optical area; inverted if nothing does.
+    fn lit(&self, i: usize, j: usize) -> (DVec2, DVec2) {
+        let low = DVec2::new(self.x.at(i), self.y.at(j)).max(self.optical.0);
+        (low, DVec2::new(self.x.at(i + 1), self.y.at(j + 1)).min(self.optical.1))
     }
 
     /// First and last lines of the grid, as corners.
@@ -293,6 +306,35 @@ impl<F: Field> Surface for GridSurface<F> {
 
     fn optical_area(&self) -> (DVec2, DVec2) {
         self.optical
+    }
+
+    fn is_endless(&self) -> bool {
+        self.periodic
+    }
+
+    fn facets(&self) -> usize {
+        // Triangles that the rim of the optical area cuts would have to be clipped.
+        let whole = F::PIECES == 1 || self.optical == self.corners();
+        if whole { self.columns() * self.rows() * F::PIECES } else { 0 }
+    }
+
+    fn facet(&self, k: usize) -> Option<(Cell, f64)> {
+        let (i, j, piece) = self.split(k);
+        let (low, high) = self.lit(i, j);
+        let footprint = (high - low).max(DVec2::ZERO).element_product() / F::PIECES as f64;
+        Some((Cell { i: i as u32, j: j as u32, face: Face::Piece(piece) }, footprint))
+    }
+
+    fn point_on(&self, k: usize, u: [f64; 2]) -> DVec3 {
+        let (i, j, piece) = self.split(k);
+        let (low, high) = self.lit(i, j);
+        let mut u = DVec2::from(u);
+        if F::PIECES == 2 && (u.element_sum() > 1.0) != (piece == 1) {
+            // Folded over the cut onto the piece that is asked for.
+            u = 1.0 - u;
+        }
+        let at = low + (high - low) * u;
+        at.extend(self.field.height_of(i, j, piece, at.x, at.y))
     }
 
     fn height_range(&self) -> (f64, f64) {

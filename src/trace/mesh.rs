@@ -187,10 +187,7 @@ impl MeshSurface {
             weights = weights.max((INSET * self.diagonal / twice_area * edges).min(DVec3::splat(0.1)));
             weights /= weights.element_sum();
         }
-        Hit {
-            point: weights.x * a + weights.y * b + weights.z * c,
-            place: k,
-        }
+        Hit { point: weights.x * a + weights.y * b + weights.z * c, place: k }
     }
 
     /// Where a ray from outside comes to the box, or its start if that is inside.

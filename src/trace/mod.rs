@@ -10,6 +10,8 @@ pub mod grid;
 
 pub mod mesh;
 
+pub mod path;
+
 use glam::{DVec2, DVec3};
 
 /// What a piece of surface is, for the accounting of light. The rules are those of the independent referee.
@@ -54,6 +56,26 @@ pub trait Surface: Sync {
 
     /// Lower-left and upper-right corner of the optical area, mm.
     fn optical_area(&self) -> (DVec2, DVec2);
+
+    /// Whether the surface continues into itself beyond the optical area, which is then one period of it.
+    fn is_endless(&self) -> bool {
+        false
+    }
+
+    /// Planar pieces that face up and make up all relief of the optical area; 0 if the surface cannot list them.
+    fn facets(&self) -> usize {
+        0
+    }
+
+    /// Piece `k` below [`facets`](Self::facets): its name, and what it covers of the optical area, mm².
+    fn facet(&self, _k: usize) -> Option<(Self::Place, f64)> {
+        None
+    }
+
+    /// The point of that piece for `u` in the unit square, even in footprint.
+    fn point_on(&self, _k: usize, _u: [f64; 2]) -> DVec3 {
+        DVec3::NAN
+    }
 
     /// Lowest and highest z at which light inside the optical area can meet the relief, mm.
     fn height_range(&self) -> (f64, f64);

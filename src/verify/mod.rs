@@ -6,6 +6,14 @@ pub mod wasserstein;
 
 pub mod score;
 
+pub mod lamp;
+
+pub mod tally;
+
+pub mod launch;
+
+mod exact;
+
 pub mod measure;
 
 pub mod verdict;

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::measure::{Measurement, Tally};
 use super::score::{blurred_scores, efficiency};
+use super::tally::{Measurement, Tally};
 use super::wasserstein::exact_w1;
 use crate::progress::Progress;
 use crate::projection::View;

@@ -9,7 +9,7 @@ use facetmill::recipe::run::Proof;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::{MeshSurface, MeshSurfaceError};
-use facetmill::verify::measure::{Measuring, measure};
+use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::verdict::Verdict;
 use serde_json::json;
 
@@ -85,7 +85,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "{name}: no light reaches the highlight image: check units, orientation and --light"
         ))
     };
-    let measurement = measure(&surface, &setup, &measuring, &progress).ok_or_else(no_light)?;
+    let measurement = measure(&Experiment::new(&surface, &setup), &measuring, &progress).ok_or_else(no_light)?;
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;

@@ -110,9 +110,7 @@ fn every_downward_ray_over_the_plate_hits_even_at_corners_and_along_walls() {
 #[test]
 fn the_walk_finds_what_fine_steps_along_the_ray_find() {
     let plate = random(6, 6, 11);
-    let height = |at: DVec3| {
-        plate.field.height(plate.x.interval(at.x), plate.y.interval(at.y), at.x, at.y)
-    };
+    let height = |at: DVec3| plate.field.height(plate.x.interval(at.x), plate.y.interval(at.y), at.x, at.y);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(23);
     let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
     for _ in 0..300 {

@@ -1,0 +1,154 @@
+//! Light of a point lamp off smooth facets: the first bounce in closed form, rays only for what shadows and bounces change.
+//!
+//! Each facet of footprint A takes A (l·m)/(m·z) of the beam and sends its mirror share of it one way. Rays start on
+//! the facets: what they find shadowed, or meeting the surface again, is taken from that closed form and added where it
+//! truly ends. Where nothing is in the way nothing is random. Light that first meets a wall has no facet to start from:
+//! rays from above find it.
+
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::measure::{Experiment, Measuring, Pixels, sent};
+use super::tally::{PARTS, Tally};
+use crate::progress::Progress;
+use crate::slope::mirror;
+use crate::trace::path::{End, Fate, Follower};
+use crate::trace::{Hit, Kind, Surface};
+
+/// Least tilt of the light at which walls are lit.
+const SLANT: f64 = 1e-9;
+
+/// Tallies in mm² of horizontal area, [`PARTS`] of them.
+pub(super) fn parts<S: Surface>(
+    experiment: &Experiment<'_, S>,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Vec<Tally> {
+    let light = experiment.setup.light();
+    let slanting = light.truncate().length() > SLANT;
+    // Half of the rays for what little meets walls: there each counts in full.
+    let rays = if slanting { measuring.rays / 2 } else { measuring.rays };
+    let measuring = Measuring { rays: rays.max(PARTS as u64), ..*measuring };
+    let mut tallies = over_facets(experiment, &measuring, progress);
+    if slanting {
+        let walls = sent(experiment, &measuring, |kind| kind == Kind::Wall, progress);
+        tallies.iter_mut().zip(&walls).for_each(|(tally, more)| tally.add(more, 1.0));
+    }
+    tallies
+}
+
+fn over_facets<S: Surface>(experiment: &Experiment<'_, S>, measuring: &Measuring, progress: &Progress) -> Vec<Tally> {
+    let Experiment { surface, setup, material, .. } = experiment;
+    let light = setup.light();
+    let beams = Beams::new(*surface, light);
+    let step = beams.whole() / measuring.rays as f64;
+    // Where the first sample of all lies within its stratum.
+    let offset = unit(hash(measuring.seed, u64::MAX));
+    (0..PARTS)
+        .into_par_iter()
+        .map(|part| {
+            let mut follower = Follower::new(*surface, material, measuring.max_bounces);
+            let mut pixels = Pixels::new(setup, measuring.resolution);
+            let mut tally = Tally::empty(measuring.resolution);
+            // A smooth material looks at no random number.
+            let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
+            for k in 0..surface.facets() {
+                let flux = beams.of(k);
+                if flux <= 0.0 {
+                    continue;
+                }
+                if k % 65536 == 0 && progress.is_cancelled() {
+                    break;
+                }
+                let Some((place, _)) = surface.facet(k) else { continue };
+                let normal = surface.normal(place);
+                let direction = mirror(light, normal);
+                let share = material.smooth_share(DVec3::new(0.0, 0.0, light.dot(normal)));
+                let fate = if direction.z > 0.0 { Fate::Up } else { Fate::Down };
+                let plain = End { fate, weight: share, bounces: 1, point: DVec3::ZERO, direction };
+                let pixel = pixels.of(direction);
+                tally.incident += flux / PARTS as f64;
+                tally.count(&plain, flux / PARTS as f64, pixel);
+                // The samples whose turn comes within this facet's share of the beam.
+                let turn = |flux: f64| (flux / step - offset).ceil().max(0.0) as u64;
+                let (from, to) = (turn(beams.before(k)), turn(beams.before(k) + flux));
+                let shift = hash(measuring.seed, k as u64);
+                let first = from + (PARTS as u64 + part as u64 - from % PARTS as u64) % PARTS as u64;
+                for sample in (first..to).step_by(PARTS) {
+                    tally.rays += 1;
+                    let hit = Hit { point: surface.point_on(k, scattered(shift, sample - from)), place };
+                    if surface.next(&hit, light).is_some() {
+                        tally.incident -= step;
+                        tally.count(&plain, -step, pixel);
+                        continue;
+                    }
+                    let end = follower.follow(hit, -light, &mut idle);
+                    if end.bounces != 1 || end.fate != fate {
+                        tally.count(&plain, -step, pixel);
+                        tally.count(&end, step, pixels.of(end.direction));
+                    }
+                }
+                if part == 0 && k % 4096 == 0 {
+                    progress.fraction(k as f64 / surface.facets() as f64);
+                }
+            }
+            tally
+        })
+        .collect()
+}
+
+/// What each facet takes of the beam, as horizontal area, mm².
+struct Beams {
+    /// Up to and including each facet.
+    cumulative: Vec<f64>,
+}
+
+impl Beams {
+    fn new<S: Surface>(surface: &S, light: DVec3) -> Self {
+        let mut sum = 0.0;
+        let cumulative = (0..surface.facets())
+            .map(|k| {
+                if let Some((place, footprint)) = surface.facet(k) {
+                    let normal = surface.normal(place);
+                    sum += footprint * (light.dot(normal) / (normal.z * light.z)).max(0.0);
+                }
+                sum
+            })
+            .collect();
+        Self { cumulative }
+    }
+
+    fn before(&self, k: usize) -> f64 {
+        if k == 0 { 0.0 } else { self.cumulative[k - 1] }
+    }
+
+    fn of(&self, k: usize) -> f64 {
+        self.cumulative[k] - self.before(k)
+    }
+
+    fn whole(&self) -> f64 {
+        self.cumulative[self.cumulative.len() - 1]
+    }
+}
+
+/// Point `m` of the evenest of additive sequences in the square (Roberts' R2), shifted at random.
+fn scattered(shift: u64, m: u64) -> [f64; 2] {
+    // 1/g and 1/g² of g³ = g + 1, in units of 2⁻⁶⁴: wrapping addition keeps the fraction.
+    const STEPS: [u64; 2] = [0xc13f_a9a9_02a6_328f, 0x91e1_0da5_c79e_7b1d];
+    let shifts = [shift, shift.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (shift >> 31)];
+    [0, 1].map(|axis| unit(shifts[axis].wrapping_add(STEPS[axis].wrapping_mul(m))))
+}
+
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Bits that look random, of a stream and an index (the finaliser of SplitMix64, Steele et al. 2014).
+fn hash(seed: u64, index: u64) -> u64 {
+    let mut bits = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index.wrapping_mul(0xd1b5_4a32_d192_ed03));
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
+}

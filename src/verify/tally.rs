@@ -1,0 +1,199 @@
+//! Where light went, in parts from which every figure's error follows.
+
+use rayon::prelude::*;
+
+use crate::raster::Raster;
+use crate::trace::path::{End, Fate};
+
+/// Where light went. Only ratios matter; each ray stands for the piece of the beam that it samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tally {
+    /// Light that came in.
+    pub incident: f64,
+    /// Rays that came in.
+    pub rays: u64,
+    /// Left upward after one bounce.
+    pub up_single: f64,
+    /// Left upward after more than one.
+    pub up_multi: f64,
+    /// Of what left upward, beyond the image.
+    pub outside_image: f64,
+    /// Left downward past the plate's edge.
+    pub escaped_down: f64,
+    /// Met the plate's outer sides after a bounce.
+    pub absorbed: f64,
+    /// Was taken by the material at bounces.
+    pub taken: f64,
+    /// Still bouncing after the last bounce followed.
+    pub trapped: f64,
+    /// Met a face from behind: the mesh leaks or is turned inside out.
+    pub backface: f64,
+    /// Of what came in, met a wall first.
+    pub first_hit_wall: f64,
+    /// What left upward, by pixel of the image.
+    pub image: Raster,
+}
+
+impl Tally {
+    /// Nothing yet, for an image of `resolution`² pixels.
+    pub fn empty(resolution: usize) -> Self {
+        Self {
+            incident: 0.0,
+            rays: 0,
+            up_single: 0.0,
+            up_multi: 0.0,
+            outside_image: 0.0,
+            escaped_down: 0.0,
+            absorbed: 0.0,
+            taken: 0.0,
+            trapped: 0.0,
+            backface: 0.0,
+            first_hit_wall: 0.0,
+            image: Raster::zeros(resolution, resolution),
+        }
+    }
+
+    /// Counts the end of light of `weight`; `pixel` is where it fell on the image, if it did.
+    #[inline]
+    pub fn count(&mut self, end: &End, weight: f64, pixel: Option<usize>) {
+        let left = weight * end.weight;
+        self.taken += weight - left;
+        match end.fate {
+            Fate::Up => {
+                *(if end.bounces == 1 { &mut self.up_single } else { &mut self.up_multi }) += left;
+                match pixel {
+                    Some(pixel) => self.image.values[pixel] += left,
+                    None => self.outside_image += left,
+                }
+            }
+            Fate::Down => self.escaped_down += left,
+            Fate::Taken => {}
+            Fate::Outer => self.absorbed += left,
+            Fate::Trapped => self.trapped += left,
+            Fate::Backface => self.backface += left,
+        }
+    }
+
+    /// Adds `factor` times the light of another, 1 or -1.
+    pub(super) fn add(&mut self, other: &Self, factor: f64) {
+        self.incident += factor * other.incident;
+        self.rays = self.rays.wrapping_add_signed(factor as i64 * other.rays as i64);
+        self.up_single += factor * other.up_single;
+        self.up_multi += factor * other.up_multi;
+        self.outside_image += factor * other.outside_image;
+        self.escaped_down += factor * other.escaped_down;
+        self.absorbed += factor * other.absorbed;
+        self.taken += factor * other.taken;
+        self.trapped += factor * other.trapped;
+        self.backface += factor * other.backface;
+        self.first_hit_wall += factor * other.first_hit_wall;
+        for (sum, v) in self.image.values.iter_mut().zip(&other.image.values) {
+            *sum += factor * v;
+        }
+    }
+
+    /// Share of incident light that leaves upward.
+    pub fn up(&self) -> f64 {
+        (self.up_single + self.up_multi) / self.incident
+    }
+
+    /// Share of upward light that bounced more than once.
+    pub fn multi_bounce(&self) -> f64 {
+        self.up_multi / (self.up_single + self.up_multi).max(f64::MIN_POSITIVE)
+    }
+
+    /// Share of incident light that does not leave upward.
+    pub fn blocked(&self) -> f64 {
+        1.0 - self.up()
+    }
+
+    /// All ends of light as a share of what came in: 1 unless the accounting leaks.
+    pub fn balance(&self) -> f64 {
+        let ends = self.escaped_down + self.absorbed + self.taken + self.trapped + self.backface;
+        self.up() + ends / self.incident
+    }
+
+    /// The image as shares of upward light: with light outside it, the pixels sum to less than 1.
+    pub fn share_image(&self) -> Raster {
+        let up = (self.up_single + self.up_multi).max(f64::MIN_POSITIVE);
+        self.image.clone().scaled(1.0 / up)
+    }
+}
+
+/// A measurement in parts, so that every figure drawn from it has an error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// All light.
+    pub whole: Tally,
+    parts: Vec<Tally>,
+}
+
+/// Parts of a measurement, each an interleaved share of its rays.
+pub const PARTS: usize = 16;
+
+impl Measurement {
+    /// From [`PARTS`] tallies; `None` if no light came in.
+    pub fn of_parts(parts: Vec<Tally>) -> Option<Self> {
+        let mut whole = Tally::empty(parts.first()?.image.width);
+        parts.iter().for_each(|part| whole.add(part, 1.0));
+        (whole.incident > 0.0).then_some(Self { whole, parts })
+    }
+
+    /// Adds the light of another measurement with as many pixels, made with other random numbers.
+    pub fn merge(&mut self, other: &Self) {
+        self.whole.add(&other.whole, 1.0);
+        self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| part.add(more, 1.0));
+    }
+
+    /// The whole without part `k`, for k below [`parts`](Self::parts).
+    pub fn without(&self, k: usize) -> Tally {
+        let mut rest = self.whole.clone();
+        rest.add(&self.parts[k], -1.0);
+        rest
+    }
+
+    /// The light of the even and of the odd parts.
+    pub fn halves(&self) -> [Tally; 2] {
+        [0, 1].map(|first| {
+            let mut half = Tally::empty(self.whole.image.width);
+            self.parts.iter().skip(first).step_by(2).for_each(|part| half.add(part, 1.0));
+            half
+        })
+    }
+
+    /// Parts that can be left out.
+    pub fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Standard error of each figure of `figures`, by leaving out one part after the other (Quenouille, Tukey).
+    /// The parts interleave as strata of the whole do, so the estimate errs on the safe side.
+    pub fn standard_errors<const N: usize>(&self, figures: impl Fn(&Tally) -> [f64; N] + Sync) -> [f64; N] {
+        let n = self.parts();
+        let each: Vec<[f64; N]> = (0..n).into_par_iter().map(|k| figures(&self.without(k))).collect();
+        std::array::from_fn(|f| {
+            let mean = each.iter().map(|e| e[f]).sum::<f64>() / n as f64;
+            let squares: f64 = each.iter().map(|e| (e[f] - mean).powi(2)).sum();
+            (squares * (n - 1) as f64 / n as f64).sqrt()
+        })
+    }
+
+    /// Standard error of each pixel of [`Tally::share_image`], by the spread of the parts.
+    pub fn pixel_errors(&self) -> Raster {
+        let n = self.parts() as f64;
+        let shares: Vec<Raster> = self.parts.iter().map(Tally::share_image).collect();
+        let mut errors = Raster::zeros(self.whole.image.width, self.whole.image.height);
+        for (pixel, error) in errors.values.iter_mut().enumerate() {
+            let mean = shares.iter().map(|share| share.values[pixel]).sum::<f64>() / n;
+            let squares: f64 = shares.iter().map(|share| (share.values[pixel] - mean).powi(2)).sum();
+            *error = (squares / (n * (n - 1.0))).sqrt();
+        }
+        errors
+    }
+
+    /// The total variation that the rays' own scatter is expected to add to the unblurred image: half the sum of the
+    /// pixels' mean deviations, √(2/π) of their standard errors.
+    pub fn image_noise(&self) -> f64 {
+        0.5 * (2.0 / std::f64::consts::PI).sqrt() * self.pixel_errors().values.iter().sum::<f64>()
+    }
+}
