@@ -17,3 +17,17 @@ pub mod comparison;
 pub mod heightmap;
 
 pub mod shading;
+
+mod bsdf_warp;
+
+pub mod bsdf;
+
+pub mod merl;
+
+pub mod brdf_csv;
+
+mod stroke;
+
+pub mod polar_slices;
+
+pub mod hemisphere_maps;

@@ -17,3 +17,5 @@ mod exact;
 pub mod measure;
 
 pub mod verdict;
+
+pub mod goniometer;

@@ -1,0 +1,412 @@
+//! A tabulated BRDF: a grid of half vectors under every incident direction of a grid.
+//!
+//! Lobes of a relief follow its normals, so the table is laid out over half vectors, in the coordinates of Dupuy and
+//! Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering" (SIGGRAPH Asia 2018), which
+//! are those of Mitsuba's `measured` too: u = sqrt(2θm/π), v = (φm + π)/2π. A table with one azimuth of incidence is
+//! isotropic: φm counts from φi there.
+//!
+//! A cell holds ∫ f_r cosθo dωo / ∫ cosθo dωo over the outgoing directions of its half vectors, the mean that a flux
+//! counter can know, with dωo = 4 (l·m) dωm. Where a cell straddles the horizon only the part above it counts; a cell
+//! whose every half vector sends light into the plate holds nothing (NaN).
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::slope::{direction, mirror};
+
+/// Nodes and weights of three-point Gauss-Legendre quadrature on [0, 1].
+const GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 0.277_777_777_777_777_8),
+    (0.5, 0.444_444_444_444_444_4),
+    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
+];
+/// Samples a side in a cell that the horizon crosses: its area is known to about the inverse square.
+const ACROSS_HORIZON: usize = 24;
+
+/// The grids of a [`BrdfTable`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrdfAxes {
+    theta_i: Vec<f64>,
+    phi_i: Vec<f64>,
+    columns: usize,
+    rows: usize,
+}
+
+impl BrdfAxes {
+    /// For a plate that looks the same however it is turned about its normal: light from azimuth 0 only, polar angles
+    /// `theta_i` (radians, ascending, from 0 up, below π/2), `columns` × `rows` cells over (u, v).
+    pub fn isotropic(theta_i: Vec<f64>, columns: usize, rows: usize) -> Result<Self, TableError> {
+        Self::checked(theta_i, vec![0.0], columns, rows)
+    }
+
+    /// For any plate: as [`BrdfAxes::isotropic`], with light from `azimuths` ≥ 4 azimuths, evenly from -π.
+    pub fn anisotropic(theta_i: Vec<f64>, azimuths: usize, columns: usize, rows: usize) -> Result<Self, TableError> {
+        if azimuths < 4 {
+            return Err(TableError::Azimuths(azimuths));
+        }
+        let phi_i = (0..azimuths).map(|k| k as f64 / azimuths as f64 * TAU - PI).collect();
+        Self::checked(theta_i, phi_i, columns, rows)
+    }
+
+    fn checked(theta_i: Vec<f64>, phi_i: Vec<f64>, columns: usize, rows: usize) -> Result<Self, TableError> {
+        let rising = theta_i.windows(2).all(|w| w[0] < w[1]);
+        if theta_i.len() < 2 || theta_i[0] != 0.0 || !rising || theta_i[theta_i.len() - 1] >= FRAC_PI_2 {
+            return Err(TableError::Polar);
+        }
+        // The file formats count in 32 bits, and four cells are the least that can be interpolated.
+        let cells = columns.saturating_mul(rows).saturating_mul(theta_i.len() * phi_i.len());
+        if columns < 4 || rows < 4 || cells > u32::MAX as usize {
+            return Err(TableError::Cells { columns, rows });
+        }
+        Ok(Self { theta_i, phi_i, columns, rows })
+    }
+
+    /// `count` polar angles from 0 to `last` radians, closer together toward grazing light, where BRDFs change most.
+    pub fn polar_nodes(count: usize, last: f64) -> Vec<f64> {
+        (0..count).map(|k| last * (1.0 - (1.0 - k as f64 / (count.max(2) - 1) as f64).powf(1.5))).collect()
+    }
+
+    /// Polar angles of incidence, radians.
+    pub fn theta_i(&self) -> &[f64] {
+        &self.theta_i
+    }
+
+    /// Azimuths of incidence, radians, from -π; a single 0 if the table is isotropic.
+    pub fn phi_i(&self) -> &[f64] {
+        &self.phi_i
+    }
+
+    /// Cells along u, the polar angle of half vectors.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Cells along v, the azimuth of half vectors.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Whether φm counts from φi.
+    pub fn is_isotropic(&self) -> bool {
+        self.phi_i.len() == 1
+    }
+
+    /// Incident directions: slice k has polar angle k mod `theta_i().len()` and azimuth k div it.
+    pub fn slices(&self) -> usize {
+        self.theta_i.len() * self.phi_i.len()
+    }
+
+    /// Cells of one slice, numbered column + `columns` · row.
+    pub fn cells(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// (θi, φi) of a slice, radians.
+    pub fn incident_angles(&self, slice: usize) -> (f64, f64) {
+        (self.theta_i[slice % self.theta_i.len()], self.phi_i[slice / self.theta_i.len()])
+    }
+
+    /// The direction toward the light of a slice.
+    pub fn incident(&self, slice: usize) -> DVec3 {
+        let (theta, phi) = self.incident_angles(slice);
+        direction(theta, phi)
+    }
+
+    /// The half vector at (u, v) under the light of a slice.
+    pub fn half_vector(&self, slice: usize, u: f64, v: f64) -> DVec3 {
+        let turn = if self.is_isotropic() { self.incident_angles(slice).1 } else { 0.0 };
+        direction(FRAC_PI_2 * u * u, TAU * v - PI + turn)
+    }
+
+    /// Where the half vector of light toward `wi` and viewer toward `wo` (both above the plate) lies, u and v in [0, 1].
+    pub fn coordinates(&self, wi: DVec3, wo: DVec3) -> (f64, f64) {
+        let m = (wi + wo).normalize_or(DVec3::Z);
+        // Twice the arc sine of half the chord keeps small angles exact.
+        let theta = 2.0 * (0.5 * (m - DVec3::Z).length()).min(1.0).asin();
+        let turn = if self.is_isotropic() { wi.y.atan2(wi.x) } else { 0.0 };
+        let v = ((m.y.atan2(m.x) - turn + PI) / TAU).rem_euclid(1.0);
+        ((theta / FRAC_PI_2).sqrt().min(1.0), v)
+    }
+
+    /// The cell that light of a slice falls into when it leaves toward `wo`; `None` if that is not above the plate.
+    pub fn cell(&self, slice: usize, wo: DVec3) -> Option<usize> {
+        if !(wo.z > 0.0) {
+            return None;
+        }
+        let (u, v) = self.coordinates(self.incident(slice), wo);
+        let column = ((u * self.columns as f64) as usize).min(self.columns - 1);
+        let row = ((v * self.rows as f64) as usize).min(self.rows - 1);
+        Some(column + self.columns * row)
+    }
+
+    /// Visits points of a cell, each with its share of ∫ cosθo dωo above the horizon (positive), in a fixed order.
+    fn quadrature(&self, slice: usize, cell: usize, mut visit: impl FnMut(DVec3, f64)) {
+        let (column, row) = (cell % self.columns, cell / self.columns);
+        let l = self.incident(slice);
+        let edge = |k: usize| FRAC_PI_2 * (k as f64 / self.columns as f64).powi(2);
+        let (near, far) = (edge(column), edge(column + 1));
+        // Over equal steps of 1 - cosθ solid angles are equal; 2 sin² keeps small ones exact.
+        let lift = |theta: f64| 2.0 * (0.5 * theta).sin().powi(2);
+        let (low, high) = (lift(near), lift(far));
+        let solid_angle = (high - low) * TAU / self.rows as f64;
+        let at = |s: f64, t: f64| {
+            let lift = low + s * (high - low);
+            let theta = 2.0 * (0.5 * lift).sqrt().min(1.0).asin();
+            let m = self.half_vector(slice, (theta / FRAC_PI_2).sqrt(), (row as f64 + t) / self.rows as f64);
+            let o = mirror(l, m);
+            (o, 4.0 * l.dot(m) * o.z)
+        };
+        let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.5)].map(|(s, t)| at(s, t));
+        if corners.iter().all(|(o, weight)| o.z > 0.0 && *weight > 0.0) {
+            for (s, ws) in GAUSS {
+                for (t, wt) in GAUSS {
+                    let (o, weight) = at(s, t);
+                    visit(o, weight * ws * wt * solid_angle);
+                }
+            }
+            return;
+        }
+        let n = ACROSS_HORIZON;
+        for i in 0..n * n {
+            let (o, weight) = at(((i % n) as f64 + 0.5) / n as f64, ((i / n) as f64 + 0.5) / n as f64);
+            if o.z > 0.0 && weight > 0.0 {
+                visit(o, weight * solid_angle / (n * n) as f64);
+            }
+        }
+    }
+
+    /// ∫ cosθo dωo over the part of a cell above the horizon: its flux under a BRDF of 1/sr. Zero if there is none.
+    pub fn projected(&self, slice: usize, cell: usize) -> f64 {
+        let mut sum = 0.0;
+        self.quadrature(slice, cell, |_, weight| sum += weight);
+        sum
+    }
+}
+
+/// A BRDF measured or computed on a grid; 8 bytes a cell. One wavelength: colour takes three tables on the same axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrdfTable {
+    axes: BrdfAxes,
+    mean: Vec<f32>,
+    error: Vec<f32>,
+}
+
+impl BrdfTable {
+    /// A table that holds nothing yet (NaN everywhere), to be filled with [`BrdfTable::set_flux`].
+    pub fn new(axes: BrdfAxes) -> Self {
+        let cells = axes.slices() * axes.cells();
+        Self { axes, mean: vec![f32::NAN; cells], error: vec![0.0; cells] }
+    }
+
+    /// The table of an analytic BRDF `f(wi, wo)` in 1/sr, both unit vectors away from the plate; errors are 0.
+    pub fn from_fn(axes: BrdfAxes, f: impl Fn(DVec3, DVec3) -> f64 + Sync) -> Self {
+        let mut table = Self::new(axes);
+        let (axes, cells) = (&table.axes, table.axes.cells());
+        table.mean.par_iter_mut().enumerate().for_each(|(i, mean)| {
+            let (slice, cell) = (i / cells, i % cells);
+            let l = axes.incident(slice);
+            let (mut flux, mut whole) = (0.0, 0.0);
+            axes.quadrature(slice, cell, |o, weight| {
+                flux += weight * f(l, o);
+                whole += weight;
+            });
+            *mean = if whole > 0.0 { (flux / whole) as f32 } else { f32::NAN };
+        });
+        table
+    }
+
+    /// Fills one slice from counted light: for each cell the share of the light arriving on the plate that leaves
+    /// through it, and the standard error of that share. Fails on wrong lengths and on what is not finite.
+    ///
+    /// What [`BrdfAxes::cell`] files under a cell that the quadrature finds wholly below the horizon (a sliver less
+    /// than 1/500 of it reaches above) is light the table cannot hold; its share is returned.
+    pub fn set_flux(&mut self, slice: usize, share: &[f64], error: &[f64]) -> Result<f64, TableError> {
+        let cells = self.axes.cells();
+        if slice >= self.axes.slices() || share.len() != cells || error.len() != cells {
+            return Err(TableError::Shape);
+        }
+        if share.iter().chain(error).any(|v| !v.is_finite()) {
+            return Err(TableError::NotFinite);
+        }
+        let axes = &self.axes;
+        let projected: Vec<f64> = (0..cells).into_par_iter().map(|cell| axes.projected(slice, cell)).collect();
+        let mut lost = 0.0;
+        for (cell, &whole) in projected.iter().enumerate() {
+            let at = slice * cells + cell;
+            if whole > 0.0 {
+                self.mean[at] = (share[cell] / whole) as f32;
+                self.error[at] = (error[cell] / whole) as f32;
+            } else {
+                (self.mean[at], self.error[at]) = (f32::NAN, 0.0);
+                lost += share[cell];
+            }
+        }
+        Ok(lost)
+    }
+
+    /// The grids.
+    pub fn axes(&self) -> &BrdfAxes {
+        &self.axes
+    }
+
+    /// Mean BRDF of every cell of a slice, 1/sr; NaN where no light can leave.
+    pub fn slice(&self, slice: usize) -> &[f32] {
+        &self.mean[slice * self.axes.cells()..][..self.axes.cells()]
+    }
+
+    /// Standard error of every cell of a slice, 1/sr.
+    pub fn slice_error(&self, slice: usize) -> &[f32] {
+        &self.error[slice * self.axes.cells()..][..self.axes.cells()]
+    }
+
+    /// Bilinear between cell centres of one slice, v around the circle; cells that hold nothing are left out.
+    pub fn within_slice(&self, slice: usize, u: f64, v: f64) -> Option<f64> {
+        let (columns, rows) = (self.axes.columns, self.axes.rows);
+        let x = (u * columns as f64 - 0.5).clamp(0.0, (columns - 1) as f64);
+        let y = v * rows as f64 - 0.5;
+        let (left, below) = ((x as usize).min(columns - 2), y.floor());
+        let (s, t) = (x - left as f64, y - below);
+        let row = |k: f64| k.rem_euclid(rows as f64) as usize % rows;
+        let values = self.slice(slice);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for (row, wt) in [(row(below), 1.0 - t), (row(below + 1.0), t)] {
+            for (column, ws) in [(left, 1.0 - s), (left + 1, s)] {
+                let value = f64::from(values[column + columns * row]);
+                if !value.is_nan() {
+                    sum += ws * wt * value;
+                    whole += ws * wt;
+                }
+            }
+        }
+        (whole > 0.0).then(|| sum / whole)
+    }
+
+    /// The BRDF in 1/sr for light from `wi` seen from `wo`, unit vectors; 0 where either is not above the plate.
+    ///
+    /// Linear between incident directions in f_r cosθi, which stays finite where f_r does not; beyond the last polar
+    /// angle the last slice holds.
+    pub fn at(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if !(wi.z > 0.0 && wo.z > 0.0) {
+            return 0.0;
+        }
+        let (u, v) = self.axes.coordinates(wi, wo);
+        let nodes = &self.axes.theta_i;
+        let theta = wi.x.hypot(wi.y).atan2(wi.z).min(nodes[nodes.len() - 1]);
+        let low = nodes.partition_point(|n| *n <= theta).clamp(1, nodes.len() - 1) - 1;
+        let t = (theta - nodes[low]) / (nodes[low + 1] - nodes[low]);
+        let azimuths = self.axes.phi_i.len();
+        let around = if azimuths == 1 { 0.0 } else { (wi.y.atan2(wi.x) + PI) / TAU * azimuths as f64 };
+        let (before, s) = (around.floor() as usize % azimuths, around - around.floor());
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for (azimuth, ws) in [(before, 1.0 - s), ((before + 1) % azimuths, s)] {
+            for (polar, wt) in [(low, 1.0 - t), (low + 1, t)] {
+                let weight = ws * wt;
+                if weight <= 0.0 {
+                    continue;
+                }
+                if let Some(value) = self.within_slice(azimuth * nodes.len() + polar, u, v) {
+                    sum += weight * value * nodes[polar].cos();
+                    whole += weight;
+                }
+            }
+        }
+        if whole > 0.0 { sum / whole / theta.cos() } else { 0.0 }
+    }
+
+    /// Share of the light from a slice's direction that leaves, and its standard error.
+    pub fn albedo(&self, slice: usize) -> (f64, f64) {
+        let (mean, error) = (self.slice(slice), self.slice_error(slice));
+        let parts: Vec<(f64, f64)> = (0..self.axes.cells())
+            .into_par_iter()
+            .filter(|&cell| !mean[cell].is_nan())
+            .map(|cell| {
+                let whole = self.axes.projected(slice, cell);
+                (f64::from(mean[cell]) * whole, (f64::from(error[cell]) * whole).powi(2))
+            })
+            .collect();
+        let (flux, variance) = parts.iter().fold((0.0, 0.0), |a, p| (a.0 + p.0, a.1 + p.1));
+        (flux, variance.sqrt())
+    }
+
+    /// How far f(wi, wo) and f(wo, wi) are apart: the mean of |difference| over the mean of f, each cell weighted with
+    /// its flux. The other way round is interpolated, so that noise and the coarseness of the grid show here too.
+    ///
+    /// Light that leaves beyond the last polar angle of incidence has no counterpart and is left out.
+    pub fn reciprocity_error(&self) -> f64 {
+        let last = self.axes.theta_i[self.axes.theta_i.len() - 1].cos();
+        let per_slice: Vec<(f64, f64)> = (0..self.axes.slices())
+            .into_par_iter()
+            .map(|slice| {
+                let (l, cells) = (self.axes.incident(slice), self.slice(slice));
+                let (mut apart, mut whole) = (0.0, 0.0);
+                for (cell, &value) in cells.iter().enumerate() {
+                    let (column, row) = (cell % self.axes.columns, cell / self.axes.columns);
+                    let (u, v) = (column as f64 + 0.5, row as f64 + 0.5);
+                    let m = self.axes.half_vector(slice, u / self.axes.columns as f64, v / self.axes.rows as f64);
+                    let o = mirror(l, m);
+                    if value.is_nan() || o.z < last {
+                        continue;
+                    }
+                    let weight = l.z * self.axes.projected(slice, cell);
+                    apart += weight * (f64::from(value) - self.at(o, l)).abs();
+                    whole += weight * f64::from(value);
+                }
+                (apart, whole)
+            })
+            .collect();
+        let (apart, whole) = per_slice.iter().fold((0.0, 0.0), |a, p| (a.0 + p.0, a.1 + p.1));
+        if whole > 0.0 { apart / whole } else { 0.0 }
+    }
+
+    /// The three laws every BRDF obeys, as numbers.
+    pub fn laws(&self) -> Laws {
+        let least = self.mean.iter().filter(|v| !v.is_nan()).fold(f64::INFINITY, |a, v| a.min(f64::from(*v)));
+        let greatest_albedo = (0..self.axes.slices())
+            .map(|slice| self.albedo(slice))
+            .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+        Laws { least, greatest_albedo, reciprocity_error: self.reciprocity_error() }
+    }
+}
+
+/// What a table says of the laws of nature; see [`BrdfTable::laws`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Laws {
+    /// Smallest value, 1/sr; not below 0. Infinite if the table holds nothing.
+    pub least: f64,
+    /// Largest albedo and its standard error; not above 1 by more than the error.
+    pub greatest_albedo: (f64, f64),
+    /// [`BrdfTable::reciprocity_error`].
+    pub reciprocity_error: f64,
+}
+
+/// Why a table cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum TableError {
+    /// The polar axis is not one.
+    #[error("the polar angles of incidence must rise from 0 to less than 90 degrees, two of them at least")]
+    Polar,
+    /// Too few azimuths to be interpolated.
+    #[error("a BRDF that turns with the plate needs 4 azimuths of incidence or more, not {0}")]
+    Azimuths(usize),
+    /// A grid too small or too large.
+    #[error("a BRDF table needs 4 to some thousand cells each way, not {columns} x {rows}")]
+    Cells {
+        /// Cells along u.
+        columns: usize,
+        /// Cells along v.
+        rows: usize,
+    },
+    /// Numbers that do not belong to the table.
+    #[error("the counted light does not have one share and one error for each cell of the table")]
+    Shape,
+    /// NaN or infinity among the counts.
+    #[error("a share of the counted light is not a finite number")]
+    NotFinite,
+}
+
+#[cfg(test)]
+#[path = "table_tests.rs"]
+mod tests;
