@@ -85,5 +85,5 @@ fn a_narrow_lobe_renders_as_mitsubas_own() {
 
 #[test]
 fn a_stretched_lobe_renders_as_mitsubas_own() {
-    rendered_alike([0.15, 0.3], BrdfAxes::anisotropic(polar(12), 16, 128, 128).unwrap(), 0.01);
+    rendered_alike([0.15, 0.3], BrdfAxes::anisotropic(polar(12), 16, 128, 128).unwrap(), 0.02);
 }

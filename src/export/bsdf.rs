@@ -25,8 +25,10 @@
 //!
 //! Size in bytes: 4 · azimuths · polar angles · ((columns + 1)(rows + 1) + (1 + channels) · samples²). Isotropic, 16
 //! polar angles, 256 × 32 cells, 64² samples, grey as three channels: 1.6 MB. Anisotropic, 16 + 1 azimuths × 12,
-//! 256 × 128 cells, 64² samples: 40 MB. A lobe of half width w radians needs columns of about 8 / sqrt(2w/π) at
-//! least for a lobe on the plate's normal (1°: 76), and π/(w sqrt(2t/π)) · 4 for one tilted by t (1° at 10°: 2160).
+//! 256 × 128 cells, 64² samples: 40 MB. Four cells to a lobe of half width w radians take 4/sqrt(2w/π) columns if it
+//! stands on the plate's normal (1°: 38); tilted by t, 4π sqrt(2t/π)/w columns and 8π sin t/w rows (1° tilted by 10°:
+//! 240 and 250). Half the columns in rows do well for smooth lobes: with 32 rows GGX of α = 0.2 came out within 1.6 %
+//! on a sphere, with 64 within 0.7 %.
 
 use std::io::{self, Write};
 

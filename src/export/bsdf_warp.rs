@@ -35,6 +35,8 @@ impl<'a> Warp<'a> {
 
     /// Where the point (s1, s2) of the unit square goes: (u, v).
     pub(super) fn sample(&self, s1: f64, s2: f64) -> (f64, f64) {
+        // Readers keep off the very edge too: where an edge has no density, the limit from inside counts.
+        let [s1, s2] = [s1, s2].map(|s| s.clamp(1e-12, 1.0 - 1e-12));
         let columns = self.columns;
         let rows = self.marginal.len();
         let (row, t) = {
@@ -71,14 +73,14 @@ mod tests {
         let warp = Warp::new(&[2.0; 12], 4);
         for (s, t) in [(0.0, 0.0), (0.3, 0.9), (1.0, 1.0), (0.5, 0.123)] {
             let (u, v) = warp.sample(s, t);
-            assert!((u - s).abs() < 1e-12 && (v - t).abs() < 1e-12);
+            assert!((u - s).abs() < 1e-11 && (v - t).abs() < 1e-11);
         }
         // Density 2u: u = sqrt(s). Density 4uv: both.
         let ramps: Vec<f64> = (0..30).map(|k| f64::from(k % 6) * f64::from(k / 6)).collect();
         let warp = Warp::new(&ramps, 6);
         for (s, t) in [(0.0f64, 0.0f64), (0.3, 0.9), (1.0, 1.0), (0.5, 0.123)] {
             let (u, v) = warp.sample(s, t);
-            assert!((u - s.sqrt()).abs() < 1e-12 && (v - t.sqrt()).abs() < 1e-12, "{s} {t} {u} {v}");
+            assert!((u - s.sqrt()).abs() < 2e-6 && (v - t.sqrt()).abs() < 2e-6, "{s} {t} {u} {v}");
         }
     }
 
