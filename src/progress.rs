@@ -36,6 +36,11 @@ impl<'a> Progress<'a> {
         Self { listen: Some(listen), cancel: Some(cancel) }
     }
 
+    /// Stopped by the same flag, but nobody listens: for a part of work whose whole reports on itself.
+    pub const fn hushed(&self) -> Self {
+        Self { listen: None, cancel: self.cancel }
+    }
+
     /// Announces the next stage.
     pub fn stage(&self, name: &str) {
         if let Some(listen) = self.listen {

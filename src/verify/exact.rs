@@ -10,7 +10,7 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::measure::{Experiment, Measuring, Pixels, sent};
+use super::measure::{Experiment, Measuring, Pixels, Screen, sent};
 use super::tally::{PARTS, Tally};
 use crate::progress::Progress;
 use crate::slope::mirror;
@@ -21,37 +21,40 @@ use crate::trace::{Hit, Kind, Surface};
 const SLANT: f64 = 1e-9;
 
 /// Tallies in mm² of horizontal area, [`PARTS`] of them.
-pub(super) fn parts<S: Surface>(
+pub(super) fn parts<S: Surface, C: Screen>(
     experiment: &Experiment<'_, S>,
+    screen: &C,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let light = experiment.setup.light();
+    let light = experiment.light;
     let slanting = light.truncate().length() > SLANT;
     // Half of the rays for what little meets walls: there each counts in full.
     let rays = if slanting { measuring.rays / 2 } else { measuring.rays };
     let measuring = Measuring { rays: rays.max(PARTS as u64), ..*measuring };
-    let mut tallies = over_facets(experiment, &measuring, progress);
+    let mut tallies = over_facets(experiment, screen, &measuring, progress);
     if slanting {
-        let walls = sent(experiment, &measuring, |kind| kind == Kind::Wall, progress);
+        let walls = sent(experiment, screen, &measuring, |kind| kind == Kind::Wall, progress);
         tallies.iter_mut().zip(&walls).for_each(|(tally, more)| tally.add(more, 1.0));
     }
     tallies
 }
 
-fn over_facets<S: Surface>(experiment: &Experiment<'_, S>, measuring: &Measuring, progress: &Progress) -> Vec<Tally> {
-    let Experiment { surface, setup, material, .. } = experiment;
-    let light = setup.light();
-    let beams = Beams::new(*surface, light);
+fn over_facets<S: Surface, C: Screen>(
+    experiment: &Experiment<'_, S>,
+    screen: &C,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Vec<Tally> {
+    let &Experiment { surface, ref material, light, .. } = experiment;
+    let beams = Beams::new(surface, light);
     let step = beams.whole() / measuring.rays as f64;
-    // Where the first sample of all lies within its stratum.
-    let offset = unit(hash(measuring.seed, u64::MAX));
     (0..PARTS)
         .into_par_iter()
         .map(|part| {
-            let mut follower = Follower::new(*surface, material, measuring.max_bounces);
-            let mut pixels = Pixels::new(setup, measuring.resolution);
-            let mut tally = Tally::empty(measuring.resolution);
+            let mut follower = Follower::new(surface, material, measuring.max_bounces);
+            let mut pixels = Pixels::new(screen);
+            let mut tally = Tally::empty(screen.size());
             // A smooth material looks at no random number.
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
             for k in 0..surface.facets() {
@@ -71,23 +74,22 @@ fn over_facets<S: Surface>(experiment: &Experiment<'_, S>, measuring: &Measuring
                 let pixel = pixels.of(direction);
                 tally.incident += flux / PARTS as f64;
                 tally.count(&plain, flux / PARTS as f64, pixel);
-                // The samples whose turn comes within this facet's share of the beam.
-                let turn = |flux: f64| (flux / step - offset).ceil().max(0.0) as u64;
-                let (from, to) = (turn(beams.before(k)), turn(beams.before(k) + flux));
-                let shift = hash(measuring.seed, k as u64);
-                let first = from + (PARTS as u64 + part as u64 - from % PARTS as u64) % PARTS as u64;
-                for sample in (first..to).step_by(PARTS) {
+                // Where each facet has its sample, all samples together stand for just its flux.
+                let samples = beams.samples(k, step, measuring.seed);
+                let weight = if flux >= step { flux / samples.len() as f64 } else { step };
+                let first = PARTS + part - beams.turn(beams.before(k), step, measuring.seed) as usize % PARTS;
+                for (shift, m) in samples.skip(first % PARTS).step_by(PARTS) {
                     tally.rays += 1;
-                    let hit = Hit { point: surface.point_on(k, scattered(shift, sample - from)), place };
+                    let hit = Hit { point: surface.point_on(k, scattered(shift, m)), place };
                     if surface.next(&hit, light).is_some() {
-                        tally.incident -= step;
-                        tally.count(&plain, -step, pixel);
+                        tally.incident -= weight;
+                        tally.count(&plain, -weight, pixel);
                         continue;
                     }
                     let end = follower.follow(hit, -light, &mut idle);
                     if end.bounces != 1 || end.fate != fate {
-                        tally.count(&plain, -step, pixel);
-                        tally.count(&end, step, pixels.of(end.direction));
+                        tally.count(&plain, -weight, pixel);
+                        tally.count(&end, weight, pixels.of(end.direction));
                     }
                 }
                 if part == 0 && k % 4096 == 0 {
@@ -100,13 +102,13 @@ fn over_facets<S: Surface>(experiment: &Experiment<'_, S>, measuring: &Measuring
 }
 
 /// What each facet takes of the beam, as horizontal area, mm².
-struct Beams {
+pub(super) struct Beams {
     /// Up to and including each facet.
     cumulative: Vec<f64>,
 }
 
 impl Beams {
-    fn new<S: Surface>(surface: &S, light: DVec3) -> Self {
+    pub(super) fn new<S: Surface>(surface: &S, light: DVec3) -> Self {
         let mut sum = 0.0;
         let cumulative = (0..surface.facets())
             .map(|k| {
@@ -128,13 +130,29 @@ impl Beams {
         self.cumulative[k] - self.before(k)
     }
 
-    fn whole(&self) -> f64 {
+    /// The samples, each for `step` mm² of the beam, whose turn comes within the share of facet `k`: the facet's own shift
+    /// and the sample's rank on the facet, for [`scattered`].
+    pub(super) fn samples(&self, k: usize, step: f64, seed: u64) -> impl ExactSizeIterator<Item = (u64, u64)> + use<> {
+        let before = self.before(k);
+        let count = self.turn(before + self.of(k), step, seed) - self.turn(before, step, seed);
+        let shift = hash(seed, k as u64);
+        (0..count as usize).map(move |m| (shift, m as u64))
+    }
+
+    /// Samples whose turn comes before `flux` of the beam is gone through.
+    fn turn(&self, flux: f64, step: f64, seed: u64) -> u64 {
+        // Where the first of all lies within its stratum.
+        let offset = unit(hash(seed, u64::MAX));
+        (flux / step - offset).ceil().max(0.0) as u64
+    }
+
+    pub(super) fn whole(&self) -> f64 {
         self.cumulative[self.cumulative.len() - 1]
     }
 }
 
 /// Point `m` of the evenest of additive sequences in the square (Roberts' R2), shifted at random.
-fn scattered(shift: u64, m: u64) -> [f64; 2] {
+pub(super) fn scattered(shift: u64, m: u64) -> [f64; 2] {
     // 1/g and 1/g² of g³ = g + 1, in units of 2⁻⁶⁴: wrapping addition keeps the fraction.
     const STEPS: [u64; 2] = [0xc13f_a9a9_02a6_328f, 0x91e1_0da5_c79e_7b1d];
     let shifts = [shift, shift.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (shift >> 31)];

@@ -42,38 +42,82 @@ impl Default for Measuring {
     }
 }
 
-/// A surface of some material under a lamp, and the image in which its light is collected.
+/// A surface of some material under a distant lamp.
 #[derive(Clone, Debug)]
 pub struct Experiment<'a, S> {
     /// What light falls on.
     pub surface: &'a S,
-    /// Where light comes from, and the image.
-    pub setup: &'a Setup,
     /// What the surface is made of.
     pub material: Material,
-    /// The lamp's shape around the setup's light.
+    /// Unit vector to the middle of the lamp, light.z > 0.
+    pub light: DVec3,
+    /// The lamp's shape.
     pub lamp: Lamp,
 }
 
 impl<'a, S: Surface> Experiment<'a, S> {
     /// An ideal mirror under the setup's own round lamp.
-    pub fn new(surface: &'a S, setup: &'a Setup) -> Self {
-        Self { surface, setup, material: Material::MIRROR, lamp: Lamp::round(setup.light_radius()) }
+    pub fn new(surface: &'a S, setup: &Setup) -> Self {
+        let lamp = Lamp::round(setup.light_radius());
+        Self { surface, material: Material::MIRROR, light: setup.light(), lamp }
+    }
+}
+
+/// What light that leaves upward is collected on: directions sorted into pixels.
+pub trait Screen: Sync {
+    /// Pixels across and down.
+    fn size(&self) -> (usize, usize);
+
+    /// The pixel of a direction, row by row, if there is one.
+    fn pixel(&self, direction: DVec3) -> Option<usize>;
+}
+
+/// The highlight image of a setup.
+#[derive(Clone, Copy, Debug)]
+pub struct HighlightImage<'a> {
+    /// Its projection.
+    pub setup: &'a Setup,
+    /// Pixels a side.
+    pub resolution: usize,
+}
+
+impl Screen for HighlightImage<'_> {
+    fn size(&self) -> (usize, usize) {
+        (self.resolution, self.resolution)
+    }
+
+    fn pixel(&self, direction: DVec3) -> Option<usize> {
+        let n = self.resolution;
+        let (column, row) = View::pixel_at(self.setup.image_of(direction)?, n, n)?;
+        Some(row * n + column)
     }
 }
 
 /// Rounds of a measurement that is to reach an error, each as long as all before it.
 const MOST_ROUNDS: u32 = 12;
 
-/// Sends light over the surface and collects it; the same for any number of threads.
+/// Sends light over the surface and collects it in the highlight image of `setup`.
 ///
 /// `None` if no ray met the optical area, or the work was cancelled.
 pub fn measure<S: Surface>(
     experiment: &Experiment<'_, S>,
+    setup: &Setup,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Option<Measurement> {
-    let mut measurement = round(experiment, measuring, progress)?;
+    collect(experiment, &HighlightImage { setup, resolution: measuring.resolution }, measuring, progress)
+}
+
+/// Sends light over the surface and collects it on `screen`; the same for any number of threads.
+///
+/// `None` if no ray met the optical area, or the work was cancelled.
+pub fn collect<S: Surface, C: Screen>(
+    experiment: &Experiment<'_, S>,
+    screen: &C,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Option<Measurement> {
+    let mut measurement = round(experiment, screen, measuring, progress)?;
     let Some(error) = measuring.error else { return Some(measurement) };
     for k in 0..MOST_ROUNDS {
         if measurement.image_noise() <= error {
@@ -81,34 +125,36 @@ pub fn measure<S: Surface>(
         }
         let seed = measuring.seed.wrapping_add(u64::from(k + 1) << 32);
         let next = Measuring { rays: measuring.rays << k, seed, ..*measuring };
-        measurement.merge(&round(experiment, &next, progress)?);
+        measurement.merge(&round(experiment, screen, &next, progress)?);
     }
     Some(measurement)
 }
 
-fn round<S: Surface>(
+fn round<S: Surface, C: Screen>(
     experiment: &Experiment<'_, S>,
+    screen: &C,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Option<Measurement> {
     let known = experiment.lamp.is_point() && experiment.material.is_smooth() && experiment.surface.facets() > 0;
     let parts = if known {
-        exact::parts(experiment, measuring, progress)
+        exact::parts(experiment, screen, measuring, progress)
     } else {
-        sent(experiment, measuring, |_| true, progress)
+        sent(experiment, screen, measuring, |_| true, progress)
     };
     Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
 }
 
 /// Rays from above, those that first meet what `wanted` says: tallies of [`PARTS`] parts, in mm² of horizontal area.
-pub(super) fn sent<S: Surface>(
+pub(super) fn sent<S: Surface, C: Screen>(
     experiment: &Experiment<'_, S>,
+    screen: &C,
     measuring: &Measuring,
     wanted: impl Fn(Kind) -> bool + Sync,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let Experiment { surface, setup, material, lamp } = experiment;
-    let grid = RayGrid::new(*surface, setup.light(), lamp, measuring.rays);
+    let Experiment { surface, material, light, lamp } = experiment;
+    let grid = RayGrid::new(*surface, *light, lamp, measuring.rays);
     let (low, high) = surface.optical_area();
     let incident = |hit: &Hit<S::Place>| {
         let (at, kind) = (hit.point.truncate(), surface.kind(hit.place));
@@ -118,8 +164,8 @@ pub(super) fn sent<S: Surface>(
         .into_par_iter()
         .map(|part| {
             let mut follower = Follower::new(*surface, material, measuring.max_bounces);
-            let mut pixels = Pixels::new(setup, measuring.resolution);
-            let mut tally = Tally::empty(measuring.resolution);
+            let mut pixels = Pixels::new(screen);
+            let mut tally = Tally::empty(screen.size());
             // Part k takes rows k, k + PARTS, … of the grid.
             for row in (part..grid.rows).step_by(PARTS) {
                 if progress.is_cancelled() {
@@ -149,24 +195,21 @@ pub(super) fn sent<S: Surface>(
         .collect()
 }
 
-/// From directions to pixels of the image; neighbouring paths often leave alike, and the last answer is remembered.
-pub(super) struct Pixels<'a> {
-    setup: &'a Setup,
-    resolution: usize,
+/// A screen that remembers its last answer: neighbouring paths often leave alike.
+pub(super) struct Pixels<'a, C> {
+    screen: &'a C,
     last: (DVec3, Option<usize>),
 }
 
-impl<'a> Pixels<'a> {
-    pub(super) fn new(setup: &'a Setup, resolution: usize) -> Self {
-        Self { setup, resolution, last: (DVec3::ZERO, None) }
+impl<'a, C: Screen> Pixels<'a, C> {
+    pub(super) fn new(screen: &'a C) -> Self {
+        Self { screen, last: (DVec3::ZERO, None) }
     }
 
     #[inline]
     pub(super) fn of(&mut self, direction: DVec3) -> Option<usize> {
         if direction != self.last.0 {
-            let n = self.resolution;
-            let pixel = self.setup.image_of(direction).and_then(|uv| View::pixel_at(uv, n, n));
-            self.last = (direction, pixel.map(|(column, row)| row * n + column));
+            self.last = (direction, self.screen.pixel(direction));
         }
         self.last.1
     }

@@ -16,6 +16,8 @@ mod exact;
 
 pub mod measure;
 
-pub mod verdict;
-
 pub mod goniometer;
+
+pub mod microgeometry;
+
+pub mod verdict;

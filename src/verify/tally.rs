@@ -30,13 +30,13 @@ pub struct Tally {
     pub backface: f64,
     /// Of what came in, met a wall first.
     pub first_hit_wall: f64,
-    /// What left upward, by pixel of the image.
+    /// What left upward, by pixel of the image or screen.
     pub image: Raster,
 }
 
 impl Tally {
-    /// Nothing yet, for an image of `resolution`² pixels.
-    pub fn empty(resolution: usize) -> Self {
+    /// Nothing yet, for an image of `width` × `height` pixels.
+    pub fn empty((width, height): (usize, usize)) -> Self {
         Self {
             incident: 0.0,
             rays: 0,
@@ -49,8 +49,12 @@ impl Tally {
             trapped: 0.0,
             backface: 0.0,
             first_hit_wall: 0.0,
-            image: Raster::zeros(resolution, resolution),
+            image: Raster::zeros(width, height),
         }
+    }
+
+    fn size(&self) -> (usize, usize) {
+        (self.image.width, self.image.height)
     }
 
     /// Counts the end of light of `weight`; `pixel` is where it fell on the image, if it did.
@@ -134,7 +138,7 @@ pub const PARTS: usize = 16;
 impl Measurement {
     /// From [`PARTS`] tallies; `None` if no light came in.
     pub fn of_parts(parts: Vec<Tally>) -> Option<Self> {
-        let mut whole = Tally::empty(parts.first()?.image.width);
+        let mut whole = Tally::empty(parts.first()?.size());
         parts.iter().for_each(|part| whole.add(part, 1.0));
         (whole.incident > 0.0).then_some(Self { whole, parts })
     }
@@ -155,7 +159,7 @@ impl Measurement {
     /// The light of the even and of the odd parts.
     pub fn halves(&self) -> [Tally; 2] {
         [0, 1].map(|first| {
-            let mut half = Tally::empty(self.whole.image.width);
+            let mut half = Tally::empty(self.whole.size());
             self.parts.iter().skip(first).step_by(2).for_each(|part| half.add(part, 1.0));
             half
         })

@@ -85,7 +85,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "{name}: no light reaches the highlight image: check units, orientation and --light"
         ))
     };
-    let measurement = measure(&Experiment::new(&surface, &setup), &measuring, &progress).ok_or_else(no_light)?;
+    let measurement =
+        measure(&Experiment::new(&surface, &setup), &setup, &measuring, &progress).ok_or_else(no_light)?;
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;

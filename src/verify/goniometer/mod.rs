@@ -2,3 +2,5 @@
 //! (Westin, Arvo, Torrance, "Predicting reflectance functions from complex surfaces", SIGGRAPH 1992).
 
 pub mod table;
+
+pub mod sweep;

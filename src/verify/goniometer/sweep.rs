@@ -1,0 +1,148 @@
+//! The virtual gonioreflectometer: light from every incident direction of a grid over a relief, sorted by half vector.
+//!
+//! After Westin, Arvo, Torrance, "Predicting Reflectance Functions from Complex Surfaces" (SIGGRAPH 1992): the relief is
+//! the material's microgeometry, and its BRDF the share of light that leaves through each cell of outgoing directions.
+
+use glam::DVec3;
+
+use super::table::{BrdfAxes, BrdfTable};
+use crate::brdf::material::Material;
+use crate::progress::Progress;
+use crate::trace::Surface;
+use crate::verify::lamp::Lamp;
+use crate::verify::measure::{Experiment, Measuring, Screen, collect};
+
+/// A measured BRDF, and the light that it does not hold.
+#[derive(Clone, Debug)]
+pub struct Swept {
+    /// The BRDF.
+    pub table: BrdfTable,
+    /// By incident direction, as shares of incident light.
+    pub ledger: Vec<Ledger>,
+}
+
+/// Where light from one incident direction went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ledger {
+    /// Left upward: the albedo.
+    pub up: f64,
+    /// Of what left upward, after more than one bounce.
+    pub multi_bounce: f64,
+    /// Was taken by the material.
+    pub taken: f64,
+    /// Was still bouncing after the last bounce followed: what the table lacks.
+    pub trapped: f64,
+    /// Left downward past the plate's edge, or met its outer sides; none on an endless panel.
+    pub past_edges: f64,
+    /// Left so near the horizon that no cell of the table holds it.
+    pub unheld: f64,
+}
+
+/// Outgoing directions by the half vector that they have with one incident direction.
+struct HalfVectors<'a> {
+    axes: &'a BrdfAxes,
+    slice: usize,
+}
+
+impl Screen for HalfVectors<'_> {
+    fn size(&self) -> (usize, usize) {
+        (self.axes.columns(), self.axes.rows())
+    }
+
+    fn pixel(&self, direction: DVec3) -> Option<usize> {
+        self.axes.cell(self.slice, direction)
+    }
+}
+
+/// Measures the BRDF of `surface` on the grid of `axes`, `measuring.rays` rays for each incident direction.
+///
+/// For the BRDF of a material the surface should be an endless panel; a finite plate loses light past its edges.
+/// `None` if light from some direction meets nothing, or the work was cancelled.
+pub fn sweep<S: Surface>(
+    surface: &S,
+    material: &Material,
+    axes: BrdfAxes,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Option<Swept> {
+    let slices = axes.slices();
+    let mut table = BrdfTable::new(axes.clone());
+    let mut ledger = Vec::with_capacity(slices);
+    for slice in 0..slices {
+        let light = axes.incident(slice);
+        let experiment = Experiment { surface, material: material.clone(), light, lamp: Lamp::Point };
+        let seed = measuring.seed.wrapping_add((slice as u64) << 20);
+        let screen = HalfVectors { axes: &axes, slice };
+        let measured = collect(&experiment, &screen, &Measuring { seed, ..*measuring }, &progress.hushed())?;
+        let whole = &measured.whole;
+        let up = whole.up();
+        let share = whole.share_image().scaled(up);
+        let error = measured.pixel_errors().scaled(up);
+        // Lengths fit and all is finite: the table and the screen are of the same axes, and light came in.
+        let unheld = table.set_flux(slice, &share.values, &error.values).ok()? + whole.outside_image / whole.incident;
+        ledger.push(Ledger {
+            up,
+            multi_bounce: whole.multi_bounce(),
+            taken: whole.taken / whole.incident,
+            trapped: whole.trapped / whole.incident,
+            past_edges: (whole.escaped_down + whole.absorbed) / whole.incident,
+            unheld,
+        });
+        progress.fraction((slice + 1) as f64 / slices as f64);
+    }
+    Some(Swept { table, ledger })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::relief::faceted::{Facet, FacetedRelief};
+    use crate::slope::Slope;
+    use crate::trace::grid::GridSurface;
+
+    fn plate(slopes: &[(f64, f64)]) -> GridSurface {
+        let facets = slopes.iter().map(|&(p, q)| Facet { height: 0.0, slope: Slope::new(p, q) }).collect();
+        GridSurface::panel(&FacetedRelief::uniform(slopes.len(), 1, DVec2::new(slopes.len() as f64, 1.0), facets))
+    }
+
+    #[test]
+    fn a_flat_rough_panel_has_the_brdf_of_its_material() {
+        let material: Material = "aluminium:ggx:0.4".parse().unwrap();
+        let axes = BrdfAxes::isotropic(vec![0.0, 0.6, 1.1], 24, 12).unwrap();
+        let measuring = Measuring { rays: 400_000, ..Measuring::default() };
+        let swept = sweep(&plate(&[(0.0, 0.0)]), &material, axes.clone(), &measuring, &Progress::silent()).unwrap();
+        let analytic = BrdfTable::from_fn(axes.clone(), |wi, wo| material.eval(wi, wo) / wo.z);
+        let mut tested = 0;
+        for slice in 0..axes.slices() {
+            assert_eq!(swept.ledger[slice].past_edges, 0.0);
+            for (cell, (&mean, &error)) in
+                swept.table.slice(slice).iter().zip(swept.table.slice_error(slice)).enumerate()
+            {
+                let expected = f64::from(analytic.slice(slice)[cell]);
+                // Well above the noise: the parts tell their own scatter, sixteen of them with heavy tails.
+                if expected > 0.05 && error > 0.0 {
+                    let z = (f64::from(mean) - expected) / f64::from(error).max(0.003 * expected);
+                    assert!(z.abs() < 6.5, "{slice} {cell}: {mean} {expected} {error}");
+                    tested += 1;
+                }
+            }
+        }
+        assert!(tested > 200, "{tested}");
+        assert!(swept.table.reciprocity_error() < 0.1, "{}", swept.table.reciprocity_error());
+    }
+
+    #[test]
+    fn light_is_neither_made_nor_lost_on_an_endless_mirror_panel() {
+        let panel = plate(&[(0.3, 0.1), (-0.5, 0.0), (0.2, -0.6), (0.0, 0.4)]);
+        let axes = BrdfAxes::anisotropic(vec![0.0, 0.7, 1.4], 4, 32, 16).unwrap();
+        let measuring = Measuring { rays: 20_000, max_bounces: 64, ..Measuring::default() };
+        let swept = sweep(&panel, &Material::MIRROR, axes, &measuring, &Progress::silent()).unwrap();
+        for (slice, ledger) in swept.ledger.iter().enumerate() {
+            assert!((ledger.up + ledger.trapped - 1.0).abs() < 1e-9, "{ledger:?}");
+            let (albedo, _) = swept.table.albedo(slice);
+            assert!((albedo + ledger.unheld - ledger.up).abs() < 1e-5, "{albedo} {ledger:?}");
+        }
+    }
+}
