@@ -133,7 +133,7 @@ impl BrdfAxes {
 
     /// The cell that light of a slice falls into when it leaves toward `wo`; `None` if that is not above the plate.
     pub fn cell(&self, slice: usize, wo: DVec3) -> Option<usize> {
-        if !(wo.z > 0.0) {
+        if wo.z <= 0.0 || wo.z.is_nan() {
             return None;
         }
         let (u, v) = self.coordinates(self.incident(slice), wo);
