@@ -9,12 +9,15 @@ use crate::verify::goniometer::table::BrdfTable;
 /// viewer in degrees (azimuths from -180 to 180, the viewer at the middle of the cell), the mean BRDF of the cell and
 /// its standard error in 1/sr. Lines that begin with # explain.
 ///
-/// Cells whose middle lies below the horizon are left out, even if a part of them does not.
+/// Cells whose middle lies below the horizon are left out, even if a part of them does not; so are those without light.
 pub fn write_brdf_csv(table: &BrdfTable, out: &mut impl Write) -> io::Result<()> {
     let axes = table.axes();
     writeln!(out, "# BRDF of a plate; z is its normal, phi counts from x toward y, seen from above")?;
     writeln!(out, "# theta_i, phi_i: toward the light; theta_o, phi_o: toward the viewer; degrees")?;
-    writeln!(out, "# brdf: mean over the cell of half vectors around that viewer, error: its standard error; 1/sr")?;
+    writeln!(
+        out,
+        "# brdf: mean over the cell of half vectors around that viewer, error: its standard error; 1/sr; no line: 0"
+    )?;
     if axes.is_isotropic() {
         writeln!(out, "# isotropic: other phi_i follow by turning light and viewer together")?;
     }
@@ -35,7 +38,7 @@ pub fn write_brdf_csv(table: &BrdfTable, out: &mut impl Write) -> io::Result<()>
             let v = ((cell / axes.columns()) as f64 + 0.5) / axes.rows() as f64;
             let m = axes.half_vector(slice, u, v);
             let o = mirror(l, m);
-            if value.is_nan() || o.z <= 0.0 || l.dot(m) <= 0.0 {
+            if value.is_nan() || (*value == 0.0 && *error == 0.0) || o.z <= 0.0 || l.dot(m) <= 0.0 {
                 continue;
             }
             writeln!(

@@ -14,6 +14,8 @@ pub mod ticks;
 
 pub mod comparison;
 
+pub mod float_tiff;
+
 pub mod heightmap;
 
 pub mod shading;

@@ -27,4 +27,13 @@ impl Mesh {
             (low.min(v), high.max(v))
         })
     }
+
+    /// Triangles without area.
+    pub fn degenerate(&self) -> usize {
+        let flat = |k: &usize| {
+            let [a, b, c] = self.corners(*k);
+            (b - a).cross(c - a).length() == 0.0
+        };
+        (0..self.triangles.len()).filter(flat).count()
+    }
 }

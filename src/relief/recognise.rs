@@ -30,8 +30,17 @@ const UPRIGHT: f64 = 1e-3;
 ///
 /// The optical area is all of it. Time grows as that of sorting the triangles.
 pub fn recognise(mesh: &Mesh) -> Option<Recognised> {
-    let up: Vec<usize> = (0..mesh.triangles.len()).filter(|&k| faces_up(mesh, k)).collect();
+    if mesh.vertices.iter().flatten().any(|c| !c.is_finite())
+        || mesh.triangles.iter().flatten().any(|&v| v as usize >= mesh.vertices.len())
+    {
+        return None;
+    }
     let (low, high) = mesh.bounds();
+    // Inside out, the base would pass for the relief.
+    if (0..mesh.triangles.len()).map(|k| six_volumes(mesh, k, low)).sum::<f64>() < 0.0 {
+        return None;
+    }
+    let up: Vec<usize> = (0..mesh.triangles.len()).filter(|&k| faces_up(mesh, k)).collect();
     let x = free_lines(mesh, &up, 0)?;
     let y = free_lines(mesh, &up, 1)?;
     let ends = |lines: &[f64], axis: usize| lines[0] == low[axis] && lines[lines.len() - 1] == high[axis];
@@ -49,6 +58,12 @@ pub fn recognise(mesh: &Mesh) -> Option<Recognised> {
     facets(mesh, &up, &homes, &x, &y)
         .map(Recognised::Facets)
         .or_else(|| nodes(mesh, &up, &homes, &x, &y).map(Recognised::Heights))
+}
+
+/// Six times the volume between `origin` and triangle `k`, positive where it is seen from inside.
+fn six_volumes(mesh: &Mesh, k: usize, origin: DVec3) -> f64 {
+    let [a, b, c] = mesh.corners(k).map(|v| v - origin);
+    a.dot(b.cross(c))
 }
 
 fn faces_up(mesh: &Mesh, k: usize) -> bool {

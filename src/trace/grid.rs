@@ -73,7 +73,7 @@ impl GridSurface<Planes> {
 
     /// The same relief repeated without end in both directions, walls where plate meets plate.
     pub fn panel(relief: &FacetedRelief) -> Self {
-        Self::over(Lines::new(&relief.x), Lines::new(&relief.y), Planes::new(relief), relief.height_range(), true)
+        Self::new(relief).endless()
     }
 }
 
@@ -91,6 +91,11 @@ impl<F: Field> GridSurface<F> {
         let cones = Cones::new(&tops, columns, x.shortest().min(y.shortest()), periodic);
         let optical = (DVec2::new(x.ends().0, y.ends().0), DVec2::new(x.ends().1, y.ends().1));
         Self { x, y, field, cones, optical, heights, periodic }
+    }
+
+    /// The same relief repeated without end in both directions, walls where copies meet at different heights.
+    pub fn endless(self) -> Self {
+        Self::over(self.x, self.y, self.field, self.heights, true)
     }
 
     /// The same surface, only light that falls between the corners `optical` counted.

@@ -10,6 +10,8 @@ pub mod grid;
 
 pub mod mesh;
 
+pub mod plate;
+
 pub mod path;
 
 use glam::{DVec2, DVec3};

@@ -1,0 +1,137 @@
+//! Any plate, by whichever tracer serves it best.
+
+use crate::relief::mesh::Mesh;
+use crate::relief::recognise::{Recognised, recognise};
+
+use super::Surface;
+use super::field::{Nodes, Planes};
+use super::grid::GridSurface;
+use super::mesh::{MeshSurface, MeshSurfaceError};
+
+/// A plate ready for rays: on its grid if its relief stands on one, else as triangles in a tree.
+#[derive(Clone)]
+pub enum Plate {
+    /// A plane over each rectangle of a grid.
+    Facets(GridSurface<Planes>),
+    /// Two triangles over each rectangle of a grid.
+    Heights(GridSurface<Nodes>),
+    /// Any triangles.
+    Mesh(Box<MeshSurface>),
+}
+
+/// Work that is done on a surface, whatever it is.
+pub trait Task {
+    /// What comes of it.
+    type Output;
+
+    /// Does the work.
+    fn on<S: Surface>(self, surface: &S) -> Self::Output;
+}
+
+impl Plate {
+    /// The plate that stands in `mesh`; its optical area is the xy bounding box less `margin` mm on each side.
+    ///
+    /// Fails as [`MeshSurface::new`] does.
+    pub fn new(mesh: &Mesh, margin: f64) -> Result<Self, MeshSurfaceError> {
+        let (low, high) = mesh.bounds();
+        let optical = (low.truncate() + margin, high.truncate() - margin);
+        if margin >= 0.0 && optical.0.cmplt(optical.1).all() {
+            match recognise(mesh) {
+                Some(Recognised::Facets(relief)) => {
+                    return Ok(Self::Facets(GridSurface::new(&relief).lit_within(optical)));
+                }
+                Some(Recognised::Heights(grid)) => {
+                    return Ok(Self::Heights(GridSurface::continuous(&grid).lit_within(optical)));
+                }
+                None => {}
+            }
+        }
+        Ok(Self::Mesh(Box::new(MeshSurface::new(mesh, margin)?)))
+    }
+
+    /// The same relief repeated without end; `None` if it stands on no grid.
+    pub fn endless(self) -> Option<Self> {
+        match self {
+            Self::Facets(surface) => Some(Self::Facets(surface.endless())),
+            Self::Heights(surface) => Some(Self::Heights(surface.endless())),
+            Self::Mesh(_) => None,
+        }
+    }
+
+    /// Does `task` on the surface.
+    pub fn run<T: Task>(&self, task: T) -> T::Output {
+        match self {
+            Self::Facets(surface) => task.on(surface),
+            Self::Heights(surface) => task.on(surface),
+            Self::Mesh(surface) => task.on(surface.as_ref()),
+        }
+    }
+
+    /// What the plate was found to be, for reports.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Facets(_) => "a plane over each rectangle of a grid",
+            Self::Heights(_) => "two triangles over each rectangle of a grid",
+            Self::Mesh(_) => "triangles",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    use super::*;
+    use crate::relief::heights::HeightGrid;
+
+    /// A closed box under four random squares, its triangles turned inside out or not.
+    fn block(inside_out: bool) -> Mesh {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(8);
+        let mut mesh = Mesh::default();
+        for z in [0.0, 1.0] {
+            for k in 0..9 {
+                mesh.vertices.push([(k % 3) as f32, (k / 3) as f32, z * (1.0 + random.random::<f32>())]);
+            }
+        }
+        let mut quad = |[a, b, c, d]: [u32; 4]| mesh.triangles.extend([[a, b, d], [b, c, d]]);
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let a = 3 * j + i;
+            quad([a + 9, a + 10, a + 13, a + 12]);
+            quad([a, a + 3, a + 4, a + 1]);
+        }
+        for (a, b) in [(0, 1), (1, 2), (2, 5), (5, 8), (8, 7), (7, 6), (6, 3), (3, 0)] {
+            quad([a, b, b + 9, a + 9]);
+        }
+        if inside_out {
+            mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_relief_on_a_grid_is_traced_as_one_unless_it_is_inside_out() {
+        assert!(matches!(Plate::new(&block(false), 0.0), Ok(Plate::Heights(_))));
+        assert!(matches!(Plate::new(&block(true), 0.0), Ok(Plate::Mesh(_))));
+        assert!(Plate::new(&block(false), 1.0).is_err());
+        assert!(Plate::new(&block(true), 0.0).unwrap().endless().is_none());
+    }
+
+    #[test]
+    fn a_margin_narrows_the_optical_area_of_any_plate() {
+        struct Area;
+        impl Task for Area {
+            type Output = (DVec2, DVec2);
+            fn on<S: Surface>(self, surface: &S) -> Self::Output {
+                surface.optical_area()
+            }
+        }
+        for inside_out in [false, true] {
+            let area = Plate::new(&block(inside_out), 0.25).unwrap().run(Area);
+            assert_eq!(area, (DVec2::splat(0.25), DVec2::splat(1.75)));
+        }
+        let grid = HeightGrid { x: vec![0.0, 1.0], y: vec![0.0, 2.0], heights: vec![0.0; 4] };
+        assert_eq!(grid.area(), (DVec2::ZERO, DVec2::new(1.0, 2.0)));
+    }
+}
