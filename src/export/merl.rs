@@ -43,7 +43,7 @@ pub fn anisotropy(table: &BrdfTable) -> (f64, f64) {
         .map(|theta| {
             let mut sum = [0.0; 3];
             for cell in 0..axes.cells() {
-                let weight = axes.projected(theta, cell);
+                let weight = f64::from(table.slice_projected(theta)[cell]);
                 if weight <= 0.0 {
                     continue;
                 }

@@ -6,6 +6,7 @@ use clap::{ArgAction, Args, Parser, Subcommand};
 use facetmill::picture::Encoding;
 use facetmill::recipe::Recipe;
 
+use crate::measure::args::MeasureArgs;
 use crate::values::*;
 
 /// Turns a drawn highlight into a relief that can be milled and that really reflects it.
@@ -44,6 +45,17 @@ Examples:
     #[command(after_help = "Example: facetmill verify ring/plate.stl --against ring.png -o proof --half-field 20")]
     #[command(allow_negative_numbers = true)]
     Verify(Box<VerifyArgs>),
+    /// Measure what light does on a plate: highlight, BRDF, normals, a wall, or what a person sees
+    ///
+    /// PLATE is any closed STL, or the folder of a design, whose light and field are then the defaults. Pictures come
+    /// with all their digits (32-bit float TIFF) and a standard error for each pixel; report.json has the figures.
+    #[command(after_help = "\
+Examples:
+  facetmill measure ring -o seen --material aluminium:ggx:0.05       the highlight that worn aluminium shows
+  facetmill measure ring -o brdf --brdf --material brass:ggx:0.1     .bsdf for Mitsuba, CSV, polar slices, maps
+  facetmill measure ring/plate.stl -o normals --ndf                  slopes, and how much is hidden from where")]
+    #[command(allow_negative_numbers = true)]
+    Measure(Box<MeasureArgs>),
 }
 
 #[derive(Debug, Args)]
@@ -275,6 +287,11 @@ impl OpticsArgs {
 }
 
 impl RunningArgs {
+    /// Rays, if the flag was given.
+    pub fn rays(&self) -> Option<u64> {
+        self.rays
+    }
+
     /// Lays the flags over `recipe`.
     pub fn apply(&self, recipe: &mut Recipe) {
         set(&mut recipe.verify.rays, self.rays);

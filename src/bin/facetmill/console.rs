@@ -127,7 +127,8 @@ pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> 
 /// The figures of a verdict as rows of a table.
 pub fn verdict_rows(verdict: &Verdict) -> Vec<[String; 3]> {
     let main = verdict.main();
-    let percent = |figure: Figure| format!("{:.2} %", 100.0 * figure.value);
+    // What rounds to nothing is nothing, without a sign.
+    let percent = |figure: Figure| format!("{:.2} %", (1e4 * figure.value).round() / 100.0 + 0.0);
     vec![
         row("rays", rays(verdict.rays), format!("traced; the highlight is scored through a blur of {MAIN_BLUR}°")),
         row(

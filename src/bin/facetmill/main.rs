@@ -6,7 +6,9 @@ mod design;
 mod estimate;
 mod files;
 mod inputs;
+mod measure;
 mod outputs;
+mod plates;
 mod usage;
 mod values;
 mod verify;
@@ -26,6 +28,7 @@ fn main() -> ExitCode {
     let running = match &cli.command {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
+        Command::Measure(args) => &args.running,
     };
     let to_json = running.json;
     // Without a handler Ctrl-C still ends the program, only less tidily.
@@ -39,6 +42,7 @@ fn main() -> ExitCode {
     let done = match &cli.command {
         Command::Design(args) => design::run(args),
         Command::Verify(args) => verify::run(args),
+        Command::Measure(args) => measure::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -127,6 +127,14 @@ words!(HeightsArg for Heights {
     Weyrich2009,
 });
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExtentArg {
+    /// The plate as it is
+    Finite,
+    /// Copies of it side by side without end
+    Endless,
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum MethodArg {
     /// Weyrich et al., SIGGRAPH 2009

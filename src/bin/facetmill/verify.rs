@@ -1,30 +1,41 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
-use facetmill::export::stl::{open_edges, read_stl};
 use facetmill::highlight::scored_target;
 use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::recipe::run::Proof;
+use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
-use facetmill::trace::mesh::{MeshSurface, MeshSurfaceError};
+use facetmill::trace::plate::Task;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::tally::Measurement;
 use facetmill::verify::verdict::Verdict;
 use serde_json::json;
 
 use crate::args::VerifyArgs;
 use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
 use crate::files::Staged;
-use crate::inputs;
 use crate::outputs::{write_proof, write_target};
+use crate::plates;
 
 /// Every file that a verification may write.
 const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
-/// Lengths between which a plate is believed, mm.
-const SMALLEST: f64 = 1e-3;
-const LARGEST: f64 = 1e7;
+/// The plate as an ideal mirror.
+struct Mirrored<'a> {
+    setup: &'a Setup,
+    measuring: &'a Measuring,
+    progress: &'a Progress<'a>,
+}
+
+impl Task for Mirrored<'_> {
+    type Output = Option<Measurement>;
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        measure(&Experiment::new(surface, self.setup), self.setup, self.measuring, self.progress)
+    }
+}
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
@@ -34,10 +45,6 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    let margin = args.margin.unwrap_or(0.0);
-    if !(0.0..=10_000.0).contains(&margin) {
-        return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
-    }
     let mut setup = recipe.setup();
     if let Some([theta, phi]) = args.mount {
         if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
@@ -52,32 +59,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     }
     let quiet = args.running.quiet;
     let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
-    let name = args.plate.display();
-    let mesh = read_stl(&mut inputs::open(&args.plate)?).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
-    let (low, high) = mesh.bounds();
-    let size = high - low;
-    if !(SMALLEST..=LARGEST).contains(&size.max_element()) {
-        let length = size.max_element();
-        let sentence =
-            format!("{name}: the plate is {length:.1e} mm long: STL has no units, so scale it to millimetres");
-        return Err(Failure::Input(sentence));
-    }
-    let picture = picture::read(&args.against, &recipe.reading())?;
-
     let stages = Stages::new(quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &NEVER);
     progress.stage("reading the plate");
-    let open = open_edges(&mesh);
-    let surface = MeshSurface::new(&mesh, margin).map_err(|error| match error {
-        MeshSurfaceError::Margin { .. } if margin > 0.0 => Failure::Impossible(format!(
-            "{name}: a --margin of {margin} mm leaves nothing of the plate: check units, and lower --margin"
-        )),
-        MeshSurfaceError::Margin { .. } => Failure::Input(format!(
-            "{name}: all points of the plate lie on a line, seen from above: nothing can reflect"
-        )),
-        error => Failure::Input(format!("{name}: {error}")),
-    })?;
+    let name = args.plate.display();
+    let margin = args.margin.unwrap_or(0.0);
+    let opened = plates::open(&args.plate, margin)?;
+    let picture = picture::read(&args.against, &recipe.reading())?;
     progress.stage("tracing light over the plate");
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {
@@ -85,39 +74,26 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "{name}: no light reaches the highlight image: check units, orientation and --light"
         ))
     };
-    let measurement =
-        measure(&Experiment::new(&surface, &setup), &setup, &measuring, &progress).ok_or_else(no_light)?;
+    let task = Mirrored { setup: &setup, measuring: &measuring, progress: &progress };
+    let measurement = opened.plate.run(task).ok_or_else(no_light)?;
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
     let proof = Proof { target, measurement, verdict };
 
     progress.stage("writing files");
-    let (bottom, top) = surface.height_range();
-    let mut advice = Vec::new();
-    if open > 0 {
-        advice.push(format!("{open} edges of the mesh have no partner: it is not closed, and slicers will guess."));
-    }
+    let (bottom, top) = opened.heights;
+    let size = opened.size;
+    let mut advice = opened.advice.clone();
     if proof.verdict.backface > 1e-4 {
         advice.push(format!(
             "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
             100.0 * proof.verdict.backface
         ));
     }
-    if size.max_element() < 1.0 {
-        advice.push(format!("The plate is only {:.3} mm long: STL has no units, is it in metres?", size.max_element()));
-    }
     let report = json!({
         "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
-        "plate": {
-            "file": args.plate.to_string_lossy(),
-            "units": "mm",
-            "triangles": mesh.triangles.len(),
-            "degenerate_triangles": surface.degenerate(),
-            "open_edges": open,
-            "size_mm": [size.x, size.y, size.z],
-            "relief_height_mm": top - bottom,
-        },
+        "plate": opened.facts(),
         "picture": {
             "file": recipe.picture,
             "width": picture.original_size.0,
@@ -133,12 +109,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     write_target(&mut staged, &proof.target, &recipe)?;
     let footer = format!(
         "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
-        size.x,
-        size.y,
-        mesh.triangles.len(),
-        recipe.light.theta,
-        recipe.light.phi,
-        recipe.highlight.half_field
+        size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
     );
     write_proof(&mut staged, &proof, &recipe, setup.view(), footer)?;
     staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
@@ -149,7 +120,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     } else if !quiet {
         let notes: Vec<String> = picture.notes.iter().chain(&advice).cloned().collect();
         let mut table = vec![
-            row("plate", format!("{:.2} × {:.2} mm", size.x, size.y), format!("of {} triangles", mesh.triangles.len())),
+            row("plate", format!("{:.2} × {:.2} mm", size.x, size.y), format!("of {} triangles", opened.triangles)),
             row("relief", format!("{:.3} mm", top - bottom), "from its lowest to its highest point"),
         ];
         table.extend(verdict_rows(&proof.verdict));

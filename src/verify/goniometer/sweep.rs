@@ -76,8 +76,8 @@ pub fn sweep<S: Surface>(
         let measured = collect(&experiment, &screen, &Measuring { seed, ..*measuring }, &progress.hushed())?;
         let whole = &measured.whole;
         let up = whole.up();
-        let share = whole.share_image().scaled(up);
-        let error = measured.pixel_errors().scaled(up);
+        let (mut share, mut error) = (whole.share_image().scaled(up), measured.pixel_errors().scaled(up));
+        pool(table.axes(), table.slice_projected(slice), &mut share.values, &mut error.values);
         // Lengths fit and all is finite: the table and the screen are of the same axes, and light came in.
         let unheld = table.set_flux(slice, &share.values, &error.values).ok()? + whole.outside_image / whole.incident;
         ledger.push(Ledger {
@@ -91,6 +91,44 @@ pub fn sweep<S: Surface>(
         progress.fraction((slice + 1) as f64 / slices as f64);
     }
     Some(Swept { table, ledger })
+}
+
+/// Half vectors nearer to the normal than this, degrees, are counted together.
+const POOLED: f64 = 0.5;
+
+/// Near the normal cells are needles that hardly any ray hits: there neighbours around the azimuth count together, so
+/// many that what they cover is about as wide as long, and around the normal itself all of them. Light is only spread
+/// within the group, in proportion to [`BrdfAxes::projected`]; errors add as independent ones do.
+fn pool(axes: &BrdfAxes, projected: &[f32], share: &mut [f64], error: &mut [f64]) {
+    let (columns, rows) = (axes.columns(), axes.rows());
+    let edge = |k: usize| std::f64::consts::FRAC_PI_2 * (k as f64 / columns as f64).powi(2);
+    let mut spread = |cells: &[usize]| {
+        let sum = |values: &dyn Fn(usize) -> f64| cells.iter().map(|&cell| values(cell)).sum::<f64>();
+        let whole = sum(&|cell| f64::from(projected[cell]));
+        if whole > 0.0 {
+            let light = sum(&|cell| share[cell]) / whole;
+            let scatter = sum(&|cell| error[cell] * error[cell]).sqrt() / whole;
+            for &cell in cells {
+                let part = f64::from(projected[cell]);
+                (share[cell], error[cell]) = (light * part, scatter * part);
+            }
+        }
+    };
+    let middle = (1..columns).take_while(|&k| edge(k) <= POOLED.to_radians()).last().unwrap_or(0);
+    let disc: Vec<usize> = (0..columns * rows).filter(|cell| cell % columns < middle).collect();
+    spread(&disc);
+    for column in middle..columns {
+        let long = edge(column + 1) - edge(column);
+        let wide = 0.5 * (edge(column + 1) + edge(column)).sin() * std::f64::consts::TAU / rows as f64;
+        let mut group = 1;
+        while wide * (group as f64) < 0.7 * long && rows.is_multiple_of(2 * group) {
+            group *= 2;
+        }
+        for first in (0..rows).step_by(group).filter(|_| group > 1) {
+            let cells: Vec<usize> = (first..first + group).map(|row| row * columns + column).collect();
+            spread(&cells);
+        }
+    }
 }
 
 #[cfg(test)]

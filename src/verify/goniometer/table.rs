@@ -169,6 +169,11 @@ impl BrdfAxes {
             }
             return;
         }
+        // From well below it no part of a cell reaches above the horizon: o.z changes by less than 2 |dm|.
+        let reach = 2.0 * (far - near + TAU / self.rows as f64);
+        if corners.iter().all(|(o, _)| o.z < -reach) {
+            return;
+        }
         let n = ACROSS_HORIZON;
         for i in 0..n * n {
             let (o, weight) = at(((i % n) as f64 + 0.5) / n as f64, ((i / n) as f64 + 0.5) / n as f64);
@@ -184,21 +189,44 @@ impl BrdfAxes {
         self.quadrature(slice, cell, |_, weight| sum += weight);
         sum
     }
+
+    /// [`projected`](Self::projected) of all cells of all slices.
+    fn all_projected(&self) -> Vec<f32> {
+        let (cells, polar) = (self.cells(), self.theta_i.len());
+        let turns = self.phi_i.len();
+        // Light turned by whole rows: the same numbers, so many rows on.
+        let turned = self.rows.is_multiple_of(turns);
+        let known = if turned { polar } else { self.slices() };
+        let mut all: Vec<f32> = (0..known * cells)
+            .into_par_iter()
+            .map(|index| self.projected(index / cells, index % cells) as f32)
+            .collect();
+        for slice in known..self.slices() {
+            let shift = (slice / polar) * (self.rows / turns) * self.columns;
+            let first = slice % polar * cells;
+            all.extend_from_within(first + cells - shift..first + cells);
+            all.extend_from_within(first..first + cells - shift);
+        }
+        all
+    }
 }
 
-/// A BRDF measured or computed on a grid; 8 bytes a cell. One wavelength: colour takes three tables on the same axes.
+/// A BRDF measured or computed on a grid; 12 bytes a cell. One wavelength: colour takes three tables on the same axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrdfTable {
     axes: BrdfAxes,
     mean: Vec<f32>,
     error: Vec<f32>,
+    /// [`BrdfAxes::projected`] of every cell.
+    projected: Vec<f32>,
 }
 
 impl BrdfTable {
     /// A table that holds nothing yet (NaN everywhere), to be filled with [`BrdfTable::set_flux`].
     pub fn new(axes: BrdfAxes) -> Self {
         let cells = axes.slices() * axes.cells();
-        Self { axes, mean: vec![f32::NAN; cells], error: vec![0.0; cells] }
+        let projected = axes.all_projected();
+        Self { axes, mean: vec![f32::NAN; cells], error: vec![0.0; cells], projected }
     }
 
     /// The table of an analytic BRDF `f(wi, wo)` in 1/sr, both unit vectors away from the plate; errors are 0.
@@ -231,11 +259,10 @@ impl BrdfTable {
         if share.iter().chain(error).any(|v| !v.is_finite()) {
             return Err(TableError::NotFinite);
         }
-        let axes = &self.axes;
-        let projected: Vec<f64> = (0..cells).into_par_iter().map(|cell| axes.projected(slice, cell)).collect();
         let mut lost = 0.0;
-        for (cell, &whole) in projected.iter().enumerate() {
+        for cell in 0..cells {
             let at = slice * cells + cell;
+            let whole = f64::from(self.projected[at]);
             if whole > 0.0 {
                 self.mean[at] = (share[cell] / whole) as f32;
                 self.error[at] = (error[cell] / whole) as f32;
@@ -250,6 +277,11 @@ impl BrdfTable {
     /// The grids.
     pub fn axes(&self) -> &BrdfAxes {
         &self.axes
+    }
+
+    /// [`BrdfAxes::projected`] of every cell of a slice.
+    pub fn slice_projected(&self, slice: usize) -> &[f32] {
+        &self.projected[slice * self.axes.cells()..][..self.axes.cells()]
     }
 
     /// Mean BRDF of every cell of a slice, 1/sr; NaN where no light can leave.
@@ -323,7 +355,7 @@ impl BrdfTable {
             .into_par_iter()
             .filter(|&cell| !mean[cell].is_nan())
             .map(|cell| {
-                let whole = self.axes.projected(slice, cell);
+                let whole = f64::from(self.slice_projected(slice)[cell]);
                 (f64::from(mean[cell]) * whole, (f64::from(error[cell]) * whole).powi(2))
             })
             .collect();
@@ -350,7 +382,7 @@ impl BrdfTable {
                     if value.is_nan() || o.z < last {
                         continue;
                     }
-                    let weight = l.z * self.axes.projected(slice, cell);
+                    let weight = l.z * f64::from(self.slice_projected(slice)[cell]);
                     apart += weight * (f64::from(value) - self.at(o, l)).abs();
                     whole += weight * f64::from(value);
                 }

@@ -140,3 +140,16 @@ fn axes_that_are_none_are_refused() {
     let cells = TableError::Cells { columns: 8, rows: usize::MAX };
     assert_eq!(BrdfAxes::isotropic(polar(), 8, usize::MAX), Err(cells));
 }
+
+#[test]
+fn what_is_kept_of_turned_light_is_what_each_slice_has_of_its_own() {
+    for (azimuths, rows) in [(4, 12), (5, 12), (6, 12)] {
+        let axes = BrdfAxes::anisotropic(vec![0.0, 0.4, 1.3], azimuths, 10, rows).unwrap();
+        let table = BrdfTable::new(axes.clone());
+        for slice in 0..axes.slices() {
+            for (cell, &kept) in table.slice_projected(slice).iter().enumerate() {
+                assert!((f64::from(kept) - axes.projected(slice, cell)).abs() < 2e-5, "{azimuths} {slice} {cell}");
+            }
+        }
+    }
+}

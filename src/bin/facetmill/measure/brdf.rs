@@ -1,0 +1,163 @@
+//! The BRDF over all directions: tables for renderers, text for spreadsheets, pictures for people.
+
+use facetmill::export::brdf_csv::write_brdf_csv;
+use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfSettings, write_bsdf};
+use facetmill::export::hemisphere_maps::hemisphere_maps;
+use facetmill::export::merl::{Merl, MerlError};
+use facetmill::export::polar_slices::{RadialScale, polar_slices};
+use facetmill::progress::Progress;
+use facetmill::trace::Surface;
+use facetmill::trace::plate::Task;
+use facetmill::verify::goniometer::sweep::{Ledger, Swept, sweep};
+use facetmill::verify::goniometer::table::BrdfAxes;
+use facetmill::verify::measure::Measuring;
+use serde_json::json;
+
+use super::args::MeasureArgs;
+use super::{Bench, Outcome};
+use crate::console::{Failure, row};
+use crate::files::Staged;
+use crate::outputs::write_png;
+
+/// The most grazing light, degrees.
+const GRAZING: f64 = 85.0;
+
+/// Rays for each direction of light, unless --rays says.
+const RAYS: u64 = 200_000;
+
+/// Polar angles of the slices and maps that are drawn, degrees.
+const DRAWN: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
+
+struct Turned<'a> {
+    bench: &'a Bench,
+    axes: BrdfAxes,
+    measuring: Measuring,
+    progress: &'a Progress<'a>,
+}
+
+impl Task for Turned<'_> {
+    type Output = Option<Swept>;
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        sweep(surface, &self.bench.material, self.axes, &self.measuring, self.progress)
+    }
+}
+
+pub fn measure(
+    args: &MeasureArgs,
+    bench: &Bench,
+    staged: &mut Staged,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let axes = axes(args)?;
+    let lights = axes.slices();
+    let rays = args.running.rays().unwrap_or(RAYS);
+    let measuring = Measuring { rays, ..bench.measuring };
+    progress.stage("lighting the plate from all sides");
+    let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
+        Failure::Impossible("light from some directions meets nothing of the plate: check units and orientation".into())
+    })?;
+    let (table, laws) = (&swept.table, swept.table.laws());
+
+    progress.stage("writing files");
+    let mut notes = Vec::new();
+    let description =
+        format!("facetmill: {} plate of {}", if bench.endless { "endless" } else { "finite" }, bench.material);
+    let mut bsdf = Vec::new();
+    write_bsdf(
+        BsdfColour::Grey(table),
+        &BsdfSettings { description: description.clone(), ..BsdfSettings::default() },
+        &mut bsdf,
+    )
+    .map_err(|error: BsdfError| Failure::Impossible(format!("brdf.bsdf: {error}")))?;
+    staged.write_bytes("brdf.bsdf", &bsdf)?;
+    staged.write("brdf.csv", |out| write_brdf_csv(table, out))?;
+    match Merl::from_tables([table; 3]) {
+        Ok(merl) => {
+            let mut bytes = Vec::new();
+            merl.write(&mut bytes).map_err(|error| Failure::Impossible(format!("brdf.binary: {error}")))?;
+            staged.write_bytes("brdf.binary", &bytes)?;
+        }
+        Err(error @ MerlError::Anisotropic { .. }) => notes.push(format!("No brdf.binary was written: {error}.")),
+        Err(error) => return Err(Failure::Impossible(format!("brdf.binary: {error}"))),
+    }
+    let heading = format!("BRDF of {}, {}", args.plate.display(), bench.material);
+    let drawn = DRAWN.map(f64::to_radians);
+    write_png(staged, "slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
+    let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };
+    let lights_drawn: Vec<(f64, f64)> =
+        azimuths.iter().flat_map(|phi| drawn.map(|theta| (theta, phi.to_radians()))).collect();
+    write_png(staged, "maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
+
+    let worst = |share: fn(&Ledger) -> f64| swept.ledger.iter().map(share).fold(0.0, f64::max);
+    let trapped = worst(|l| l.trapped);
+    if trapped > 1e-3 {
+        notes.push(format!(
+            "Up to {:.2}% of the light still bounces at the end and is not in the table: raise --max-bounces.",
+            100.0 * trapped
+        ));
+    }
+    let by_light: Vec<_> = swept
+        .ledger
+        .iter()
+        .enumerate()
+        .map(|(slice, ledger)| {
+            let (theta, phi) = table.axes().incident_angles(slice);
+            json!({
+                "theta_deg": theta.to_degrees(), "phi_deg": phi.to_degrees(),
+                "albedo": ledger.up, "multi_bounce": ledger.multi_bounce, "taken": ledger.taken,
+                "trapped": ledger.trapped, "past_edges": ledger.past_edges, "unheld": ledger.unheld,
+            })
+        })
+        .collect();
+    let facts = json!({
+        "kind": "brdf",
+        "rays_each": rays,
+        "half_vectors": [table.axes().columns(), table.axes().rows()],
+        "least": laws.least,
+        "greatest_albedo": laws.greatest_albedo.0,
+        "greatest_albedo_error": laws.greatest_albedo.1,
+        "reciprocity_error": laws.reciprocity_error,
+        "directions": by_light,
+    });
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let rows = vec![
+        row("directions", lights.to_string(), format!("of light, {rays} rays each")),
+        row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
+        row("bounced twice", percent(worst(|l| l.multi_bounce)), "of what leaves, where most does"),
+        row("past the edges", percent(worst(|l| l.past_edges)), "of the light, where most does"),
+        row(
+            "reciprocity",
+            percent(laws.reciprocity_error),
+            "mean difference when light and viewer change places: noise, and cells",
+        ),
+    ];
+    Ok(Outcome { facts, rows, notes, look_at: "slices.png" })
+}
+
+fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
+    let polar = args.polar.unwrap_or(12);
+    let azimuths = args.azimuths.unwrap_or(16);
+    let [columns, rows] = args.half_vectors.unwrap_or([128, 64]);
+    for (flag, value, most) in [("polar", polar, 180), ("azimuths", azimuths, 360)] {
+        if !(1..=most).contains(&value) {
+            return Err(Failure::Usage(format!("--{flag} is {value}: it must be from 1 to {most}")));
+        }
+    }
+    let nodes = BrdfAxes::polar_nodes(polar, f64::to_radians(GRAZING));
+    let axes = match azimuths {
+        1 => BrdfAxes::isotropic(nodes, columns, rows),
+        _ => BrdfAxes::anisotropic(nodes, azimuths, columns, rows),
+    };
+    let axes = axes.map_err(|error| Failure::Usage(format!("--polar, --azimuths, --half-vectors: {error}")))?;
+    // Eight bytes a cell in memory, and pictures and files of the like size.
+    if axes.slices() * axes.cells() > MOST_CELLS {
+        return Err(Failure::Usage(format!(
+            "--polar x --azimuths x --half-vectors is {} cells: at most {MOST_CELLS} are measured",
+            axes.slices() * axes.cells()
+        )));
+    }
+    Ok(axes)
+}
+
+/// Cells of a table: 1 GB in memory.
+const MOST_CELLS: usize = 128_000_000;

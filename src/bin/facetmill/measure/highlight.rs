@@ -1,0 +1,114 @@
+//! The highlight image of one lamp, with all its digits and errors.
+
+use facetmill::export::float_tiff::write_float_tiff;
+use facetmill::export::picture::{common_white, tone_mapped};
+use facetmill::progress::Progress;
+use facetmill::trace::Surface;
+use facetmill::trace::plate::Task;
+use facetmill::verify::measure::{Experiment, HighlightImage, collect};
+use facetmill::verify::tally::{Measurement, Tally};
+use serde_json::{Map, Value, json};
+
+use super::{Bench, Outcome};
+use crate::console::{Failure, rays, row};
+use crate::files::Staged;
+use crate::outputs::write_png;
+
+struct Lit<'a> {
+    bench: &'a Bench,
+    progress: &'a Progress<'a>,
+}
+
+impl Task for Lit<'_> {
+    type Output = Option<Measurement>;
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        let Bench { setup, material, lamp, measuring, .. } = self.bench;
+        let experiment =
+            Experiment { material: material.clone(), lamp: lamp.clone(), ..Experiment::new(surface, setup) };
+        let screen = HighlightImage { setup, resolution: measuring.resolution };
+        collect(&experiment, &screen, measuring, self.progress)
+    }
+}
+
+/// Name, meaning and value of something that light can come to, as a share of incident light.
+type Share = (&'static str, &'static str, fn(&Tally) -> f64);
+
+/// Everything that light can come to.
+const SHARES: [Share; 9] = [
+    ("up", "of the light leaves upward", |t| t.up()),
+    ("up_single", "after one bounce", |t| t.up_single / t.incident),
+    ("up_multi", "after more", |t| t.up_multi / t.incident),
+    ("outside_image", "of the light leaves upward beside the image", |t| t.outside_image / t.incident),
+    ("taken", "is taken by the material", |t| t.taken / t.incident),
+    ("escaped_down", "leaves downward past the edges", |t| t.escaped_down / t.incident),
+    ("absorbed", "meets the plate's outer sides", |t| t.absorbed / t.incident),
+    ("trapped", "wants more bounces than were followed", |t| t.trapped / t.incident),
+    ("first_hit_wall", "meets a wall first", |t| t.first_hit_wall / t.incident),
+];
+
+pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
+    progress.stage("tracing light over the plate");
+    let measurement = bench.plate.run(Lit { bench, progress }).ok_or_else(|| {
+        Failure::Impossible("no light reaches the plate's optical area: check units, orientation and --light".into())
+    })?;
+    progress.stage("writing files");
+    let whole = &measurement.whole;
+    let image = whole.share_image();
+    let noise = measurement.image_noise();
+    write_png(staged, "highlight.png", &tone_mapped(&image, common_white(&image)))?;
+    staged.write("highlight.tiff", |out| write_float_tiff(&image, out))?;
+    staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
+
+    let errors = measurement.standard_errors(|tally| SHARES.map(|(_, _, share)| share(tally)));
+    let mut shares = Map::new();
+    let mut share_errors = Map::new();
+    let mut rows = vec![
+        row(
+            "plate",
+            format!("{:.2} × {:.2} mm", bench.opened.size.x, bench.opened.size.y),
+            format!("of {}", bench.material),
+        ),
+        row("rays", rays(whole.rays), "traced"),
+        row(
+            "image noise",
+            format!("{noise:.5}"),
+            "expected total variation of the unblurred image from the rays alone",
+        ),
+    ];
+    for ((name, meaning, share), error) in SHARES.into_iter().zip(errors) {
+        let value = share(whole);
+        shares.insert(name.into(), json!(value));
+        share_errors.insert(name.into(), json!(error));
+        if value.abs() > 5e-5 {
+            let figure = format!("{:.2} %", 100.0 * value);
+            rows.push(row(&name.replace('_', " "), figure, format!("{meaning} (± {:.3})", 100.0 * error)));
+        }
+    }
+    let mut notes = Vec::new();
+    let backface = whole.backface / whole.incident;
+    if backface > 1e-4 {
+        let percent = 100.0 * backface;
+        notes.push(format!(
+            "{percent:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out."
+        ));
+    }
+    let trapped = whole.trapped / whole.incident;
+    if trapped > 1e-3 {
+        let percent = 100.0 * trapped;
+        notes.push(format!("{percent:.2}% of the light still bounces at the end: raise --max-bounces."));
+    }
+    let facts: Value = json!({
+        "kind": "highlight",
+        "projection": bench.recipe.highlight.projection,
+        "half_field": bench.recipe.highlight.half_field,
+        "resolution": bench.measuring.resolution,
+        "pixels": "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
+        "rays": whole.rays,
+        "image_noise_tv": noise,
+        "shares_of_incident": shares,
+        "standard_errors": share_errors,
+        "backface": backface,
+        "balance": whole.balance(),
+    });
+    Ok(Outcome { facts, rows, notes, look_at: "highlight.png" })
+}

@@ -1,0 +1,194 @@
+//! `facetmill measure`: what light does on a plate, in one of five ways.
+
+pub mod args;
+mod brdf;
+mod highlight;
+mod ndf;
+
+use facetmill::brdf::material::Material;
+use facetmill::picture::{self, Reading};
+use facetmill::progress::{Event, Progress};
+use facetmill::recipe::Recipe;
+use facetmill::setup::Setup;
+use facetmill::trace::plate::Plate;
+use facetmill::verify::lamp::Lamp;
+use facetmill::verify::measure::Measuring;
+use serde_json::{Value, json};
+
+use crate::console::{Failure, NEVER, Stages, print_json, print_table};
+use crate::files::Staged;
+use crate::plates::{self, Opened};
+use crate::values::ExtentArg;
+use args::MeasureArgs;
+
+/// Every file that any measurement may write.
+const FILES: &[&str] = &[
+    "highlight.png",
+    "highlight.tiff",
+    "highlight_error.tiff",
+    "brdf.bsdf",
+    "brdf.binary",
+    "brdf.csv",
+    "slices.png",
+    "maps.png",
+    "ndf.png",
+    "ndf.csv",
+    "masking.csv",
+    "wall.png",
+    "wall.tiff",
+    "wall_error.tiff",
+    "look.png",
+    "look.tiff",
+    "look_error.tiff",
+    "report.json",
+];
+
+/// All that every measurement needs, read and checked.
+struct Bench {
+    opened: Opened,
+    plate: Plate,
+    endless: bool,
+    recipe: Recipe,
+    setup: Setup,
+    material: Material,
+    lamp: Lamp,
+    measuring: Measuring,
+}
+
+/// What a measurement has to say, its files being written already.
+struct Outcome {
+    facts: Value,
+    rows: Vec<[String; 3]>,
+    notes: Vec<String>,
+    look_at: &'static str,
+}
+
+/// Does what `args` say.
+pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+    let named = plates::named(&args.plate)?;
+    let recipe = recipe(args, named.recipe)?;
+    let measuring = measuring(args, &recipe)?;
+    let mut setup = recipe.setup();
+    if let Some(normal) = named.mount {
+        setup = setup.mounted(normal);
+        if setup.light().z <= 0.0 {
+            return Err(Failure::Impossible("the light is behind the plate as mounted: lower --light".into()));
+        }
+    }
+    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
+    let stages = Stages::new(args.running.quiet);
+    let listen = |event: Event<'_>| stages.hear(event);
+    let progress = Progress::new(&listen, &NEVER);
+    progress.stage("reading the plate");
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
+    let (plate, endless) = extent(args, &opened)?;
+    let bench = Bench {
+        plate,
+        endless,
+        material: args.material.clone().unwrap_or_default(),
+        lamp: lamp(args, &recipe)?,
+        opened,
+        recipe,
+        setup,
+        measuring,
+    };
+    let outcome = if args.brdf {
+        brdf::measure(args, &bench, &mut staged, &progress)?
+    } else if args.ndf {
+        ndf::measure(&bench, &mut staged, &progress)?
+    } else {
+        highlight::measure(&bench, &mut staged, &progress)?
+    };
+    let report = json!({
+        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
+        "plate": bench.opened.facts(),
+        "extent": if bench.endless { "endless" } else { "finite" },
+        "material": bench.material.to_string(),
+        "light": bench.recipe.light,
+        "lamp": args.lamp.as_ref().map(|path| json!({
+            "picture": path.to_string_lossy(),
+            "half_field": args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
+        })),
+        "max_bounces": bench.measuring.max_bounces,
+        "seed": bench.measuring.seed,
+        "measured": outcome.facts,
+        "advice": bench.opened.advice.iter().chain(&outcome.notes).collect::<Vec<_>>(),
+    });
+    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
+    staged.publish()?;
+    stages.finish();
+    if args.running.json {
+        print_json(&report)?;
+    } else if !args.running.quiet {
+        let notes: Vec<String> = bench.opened.advice.iter().chain(&outcome.notes).cloned().collect();
+        let title = format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at);
+        print_table(&title, &outcome.rows, &notes)?;
+    }
+    Ok(())
+}
+
+/// The flags laid over what the folder of a design says.
+fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
+    if let Some([theta, phi]) = args.light {
+        (recipe.light.theta, recipe.light.phi) = (theta, phi);
+    }
+    recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
+    recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
+    recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
+    recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
+    args.running.apply(&mut recipe);
+    recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
+    Ok(recipe)
+}
+
+fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Result<Measuring, Failure> {
+    let resolution = args.resolution.unwrap_or(256);
+    if !(16..=4096).contains(&resolution) {
+        return Err(Failure::Usage(format!("--resolution is {resolution}: it must be from 16 to 4096")));
+    }
+    let max_bounces = args.max_bounces.unwrap_or(8);
+    if !(1..=1000).contains(&max_bounces) {
+        return Err(Failure::Usage(format!("--max-bounces is {max_bounces}: it must be from 1 to 1000")));
+    }
+    if let Some(error) = args.error
+        && !(1e-6..1.0).contains(&error)
+    {
+        return Err(Failure::Usage(format!("--error is {error}: it must be from 0.000001 to less than 1")));
+    }
+    Ok(Measuring {
+        rays: recipe.verify.rays,
+        resolution,
+        max_bounces: max_bounces as u32,
+        seed: recipe.design.seed,
+        error: args.error,
+    })
+}
+
+/// The plate as it is to be taken, and whether it goes on without end.
+fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(Plate, bool), Failure> {
+    let endless = opened.plate.clone().endless();
+    match (args.extent, endless) {
+        (Some(ExtentArg::Endless), None) => Err(Failure::Impossible(format!(
+            "{}: this relief stands on no grid and cannot be repeated: use --extent finite",
+            args.plate.display()
+        ))),
+        (Some(ExtentArg::Endless), Some(plate)) => Ok((plate, true)),
+        // What is to stand for a material has no edges, where that can be had.
+        (None, Some(plate)) if args.brdf => Ok((plate, true)),
+        _ => Ok((opened.plate.clone(), false)),
+    }
+}
+
+/// From the middle of a picture-shaped lamp to its rim, degrees.
+const LAMP_HALF_FIELD: f64 = 5.0;
+
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+    let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
+    if !(0.01..=60.0).contains(&half_field) {
+        return Err(Failure::Usage(format!("--lamp-half-field is {half_field}: it must be from 0.01 to 60")));
+    }
+    let picture = picture::read(path, &Reading::default())?;
+    Lamp::picture(&picture.light, half_field.to_radians())
+        .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
+}
