@@ -16,4 +16,8 @@ mod exact;
 
 pub mod measure;
 
+mod near;
+
+pub mod wall;
+
 pub mod verdict;
