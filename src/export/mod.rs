@@ -14,6 +14,8 @@ pub mod ticks;
 
 pub mod comparison;
 
+pub mod sights;
+
 pub mod heightmap;
 
 pub mod shading;

@@ -20,4 +20,10 @@ mod near;
 
 pub mod wall;
 
+pub mod camera;
+
+mod gather;
+
+pub mod look;
+
 pub mod verdict;
