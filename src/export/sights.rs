@@ -74,14 +74,15 @@ pub fn wall_page(thrown: &Thrown, throw: &Throw, exposure: &Exposure) -> RgbImag
     } else {
         "distant lamp".to_owned()
     };
-    let (wall, tilt) = (number(throw.wall_distance), number(throw.wall_tilt));
+    let wall = number(throw.wall_distance);
+    let tilt = if throw.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(throw.wall_tilt)) };
     let blur = &thrown.blur;
     let [pu, pv, lu, lv] = [blur.plate.x, blur.plate.y, blur.lamp.x, blur.lamp.y].map(digits);
     let [a, b] = [blur.plate_angle.max_element(), blur.lamp_angle].map(|angle| digits(angle.to_degrees()));
     let [(landed, error), ..] = thrown.shares();
-    let side = if exposure.mirrored { "as seen from the plate" } else { "as a map of the highlight" };
+    let side = if exposure.mirrored { "seen from the plate" } else { "as the highlight image" };
     let notes = [
-        format!("wall at {wall} mm, tilted by {tilt}°, {side} · {lamp} · scale in mm"),
+        format!("wall at {wall} mm{tilt}, {side} · {lamp} · scale in mm"),
         format!("blurred by the plate over {pu} × {pv} mm ({a}°) · by the lamp over {lu} × {lv} mm ({b}°)"),
         format!(
             "white is {} × the irradiance on the plate · {} ± {} % of its light lands here",
@@ -106,7 +107,10 @@ fn digits(value: f64) -> String {
         -3..=5 => {
             let step = 10f64.powf(decade - 2.0);
             let rounded = (value / step).round() * step;
-            if decade < -1.0 { format!("{rounded:.*}", (2.0 - decade) as usize) } else { number(rounded) }
+            if decade >= -1.0 {
+                return number(rounded);
+            }
+            format!("{rounded:.*}", (2.0 - decade) as usize).trim_end_matches('0').to_owned()
         }
         _ => format!("{value:.2e}"),
     }
@@ -252,7 +256,10 @@ mod tests {
 
     #[test]
     fn digits_are_three() {
-        let cases = [0.0, 0.004_567, 0.0123, 0.5, 12.345, 1234.5, 1e9, 2e-7, f64::INFINITY];
-        assert_eq!(cases.map(digits), ["0", "0.00457", "0.0123", "0.5", "12.3", "1230", "1.00e9", "2.00e-7", "∞"]);
+        let cases = [0.0, 0.05, 0.004_567, 0.0123, 0.5, 12.345, 1234.5, 1e9, 2e-7, f64::INFINITY];
+        assert_eq!(
+            cases.map(digits),
+            ["0", "0.05", "0.00457", "0.0123", "0.5", "12.3", "1230", "1.00e9", "2.00e-7", "∞"]
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! What a person sees: a picture of the plate, or of a ball or cylinder that wears its relief, as a camera takes it.
 //!
 //! Radiance is stated for a lamp whose irradiance across its own beam is 1: a white matt plate in light from straight
-//! above shows 1/π. What is not simulated: depth of field, glare, the lamp itself where it would be seen directly, and
-//! light between the far sides of a shape (balls and cylinders are convex, so there is none).
+//! above shows 1/π. What is not simulated: depth of field, glare, and the lamp itself where it would be seen directly. The
+//! sides of the plate are black, and left out below the lowest point of its relief.
 
 use glam::{DMat3, DVec2, DVec3};
 use rand::SeedableRng;
@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::slope::direction;
-use crate::trace::Surface;
+use crate::trace::{Kind, Surface};
 
 /// Where the camera stands, what it looks at, and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,6 +219,10 @@ impl<S: Surface> Eye<'_, S> {
         let background = Gathered { radiance: self.look.ambient, trapped: 0.0 };
         if self.look.shape == Shape::Flat {
             let Some(hit) = surface.first(self.camera.eye, direction) else { return background };
+            // A relief's grid ends in sides that know no base: below the lowest point there is nothing to be seen.
+            if surface.kind(hit.place) == Kind::Outer && hit.point.z < surface.height_range().0 {
+                return background;
+            }
             return self.gatherer.gather(hit, direction, &DMat3::IDENTITY, random);
         }
         let Some(frame) = self.look.shape.frame(self.camera.eye, direction) else { return background };

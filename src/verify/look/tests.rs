@@ -37,6 +37,7 @@ fn a_matt_plate_is_as_bright_as_lambert_says() {
     let wide = Look { field_of_view: 10.0, ambient: 0.25, ..settings };
     let sight = look(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
     assert_eq!((sight.radiance.at(0, 0), sight.radiance.at(8, 6)), (0.25, 0.0));
+    assert_eq!((sight.radiance.at(0, 6), sight.radiance.at(15, 6)), (0.25, 0.25), "nor any skirt below it");
 }
 
 #[test]
