@@ -4,6 +4,8 @@
 //! above shows 1/π. What is not simulated: depth of field, glare, and the lamp itself where it would be seen directly. The
 //! sides of the plate are black, and left out below the lowest point of its relief.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::{DMat3, DVec2, DVec3};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -82,7 +84,7 @@ impl Look {
     /// What the field of view may be, degrees.
     pub const FIELD_OF_VIEW: std::ops::RangeInclusive<f64> = 1e-6..=160.0;
     /// Columns or rows at the most.
-    pub const MOST_PIXELS: usize = 8192;
+    pub const MOST_PIXELS: usize = 4096;
 
     /// Whether the experiment can be looked at so.
     ///
@@ -166,6 +168,7 @@ pub fn look<S: Surface>(experiment: &Experiment<'_, S>, look: &Look, progress: &
         look,
     };
     let [width, height] = look.size;
+    let done = AtomicUsize::new(0);
     let rows: Vec<Vec<[f64; 3]>> = (0..height)
         .into_par_iter()
         .map(|row| {
@@ -174,7 +177,9 @@ pub fn look<S: Surface>(experiment: &Experiment<'_, S>, look: &Look, progress: &
             }
             let stream = look.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
             let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
-            (0..width).map(|column| eye.pixel(column, row, &mut random)).collect()
+            let pixels = (0..width).map(|column| eye.pixel(column, row, &mut random)).collect();
+            progress.fraction((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / height as f64);
+            pixels
         })
         .collect();
     if progress.is_cancelled() {

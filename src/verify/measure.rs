@@ -73,15 +73,22 @@ pub fn measure<S: Surface>(
     measuring: &Measuring,
     progress: &Progress,
 ) -> Option<Measurement> {
-    let mut measurement = round(experiment, measuring, progress)?;
+    until_error(measuring, |measuring| round(experiment, measuring, progress))
+}
+
+/// One round, and if an error is asked for, more of them with other random numbers until it is reached.
+pub(super) fn until_error(
+    measuring: &Measuring,
+    round: impl Fn(&Measuring) -> Option<Measurement>,
+) -> Option<Measurement> {
+    let mut measurement = round(measuring)?;
     let Some(error) = measuring.error else { return Some(measurement) };
     for k in 0..MOST_ROUNDS {
         if measurement.image_noise() <= error {
             break;
         }
         let seed = measuring.seed.wrapping_add(u64::from(k + 1) << 32);
-        let next = Measuring { rays: measuring.rays << k, seed, ..*measuring };
-        measurement.merge(&round(experiment, &next, progress)?);
+        measurement.merge(&round(&Measuring { rays: measuring.rays << k, seed, ..*measuring })?);
     }
     Some(measurement)
 }

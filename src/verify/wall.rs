@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::launch::RayGrid;
-use super::measure::{Experiment, Measuring};
+use super::measure::{Experiment, Measuring, until_error};
 use super::near::{NearGrid, Rays};
 use super::tally::{Measurement, PARTS, Tally};
 use crate::progress::Progress;
@@ -251,7 +251,7 @@ impl Thrown {
 
 /// Throws light over the surface onto the wall; the same for any number of threads.
 ///
-/// The picture has `measuring.resolution` pixels a side; an endless panel is lit, and throws light, within one period.
+/// The picture has `measuring.resolution` pixels a side, and goes on until `measuring.error`, if any; an endless panel is lit, and throws light, within one period.
 ///
 /// # Errors
 /// See [`Throw::check`]; also if no ray met the plate, or the work was cancelled.
@@ -263,17 +263,18 @@ pub fn throw<S: Surface>(
 ) -> Result<Thrown, ThrowError> {
     throw.check(experiment, measuring)?;
     let wall = Wall::new(throw, experiment);
-    let rays = match wall.lamp(throw) {
-        None => Rays::Far(RayGrid::new(experiment.surface, wall.light, &experiment.lamp, measuring.rays)),
-        Some(lamp) => {
-            Rays::Near(NearGrid::new(experiment.surface, wall.middle, lamp, throw.lamp_radius, measuring.rays))
-        }
+    let round = |measuring: &Measuring| {
+        let rays = match wall.lamp(throw) {
+            None => Rays::Far(RayGrid::new(experiment.surface, wall.light, &experiment.lamp, measuring.rays)),
+            Some(lamp) => {
+                Rays::Near(NearGrid::new(experiment.surface, wall.middle, lamp, throw.lamp_radius, measuring.rays))
+            }
+        };
+        let parts = sent(experiment, measuring, &wall, &rays, progress);
+        Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
     };
-    let parts = sent(experiment, measuring, &wall, &rays, progress);
-    if progress.is_cancelled() {
-        return Err(ThrowError::Cancelled);
-    }
-    let measurement = Measurement::of_parts(parts).ok_or(ThrowError::Unlit)?;
+    let unlit = || if progress.is_cancelled() { ThrowError::Cancelled } else { ThrowError::Unlit };
+    let measurement = until_error(measuring, round).ok_or_else(unlit)?;
     Ok(Thrown { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
 }
 

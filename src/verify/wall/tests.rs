@@ -128,6 +128,26 @@ fn a_tilted_facet_throws_where_its_mirror_sends() {
     let (middle, spread) = moments(&thrown);
     assert!((middle - expected).length() < 2.0, "{middle} {expected}");
     assert!(spread.max_element() < 2.0 && expected.length() > 50.0);
+    // As large as it is seen from the lamp's image behind it: a parallelogram, even but for a little perspective.
+    let side = 12.0;
+    let large = one_facet(slope, DVec2::splat(side));
+    let thrown = throw(&Experiment::new(&large, &setup), &settings, &measuring, &Progress::silent()).unwrap();
+    let (m, lamp) = (slope.normal(), wall.lamp(&settings).unwrap() + 0.5 * (side - 0.2) * DVec2::ONE.extend(0.0));
+    let foot = (DVec2::splat(0.5 * side)).extend(0.0);
+    let source = lamp - 2.0 * (lamp - foot).dot(m) * m;
+    let screen = Wall::new(&settings, &Experiment::new(&large, &setup));
+    let through = |x: f64, y: f64| {
+        let corner = foot + DVec3::new(x, y, slope.p * x + slope.q * y);
+        screen.meets(corner, corner - source).unwrap()
+    };
+    let half = 0.5 * side;
+    let (a, b) = (through(half, 0.0) - through(-half, 0.0), through(0.0, half) - through(0.0, -half));
+    let (_, spread) = moments(&thrown);
+    let expected = ((a * a + b * b) / 12.0).map(f64::sqrt);
+    assert!((spread / expected - 1.0).abs().max_element() < 0.02, "{spread} {expected}");
+    // And about as the closed form for a flat plate says, which knows nothing of the facet's tilt.
+    assert!((a.abs() + b.abs() - thrown.blur.plate).abs().max_element() < 0.15 * thrown.blur.plate.max_element());
+
     // A facet that climbs toward +x throws toward -x, on the wall as on the highlight image.
     let straight = Setup::new(0.0, 0.0, 0.0, Projection::Screen, 0.2);
     let thrown = throw(&Experiment::new(&surface, &straight), &settings, &measuring, &Progress::silent()).unwrap();
@@ -187,4 +207,10 @@ fn nonsense_is_refused_and_nothing_depends_on_threads() {
         pool.install(|| throw(&experiment, &fine, &measuring, &Progress::silent()).unwrap())
     };
     assert_eq!(thrown(1), thrown(3));
+    // As many rounds as the error asks for.
+    let wanted = Measuring { error: Some(0.01), ..measuring };
+    let close = Throw { half_width: 30.0, ..fine };
+    let taken = |measuring| throw(&experiment, &close, measuring, &Progress::silent()).unwrap().measurement;
+    let (sure, surer) = (taken(&measuring), taken(&wanted));
+    assert!(sure.image_noise() > 0.01 && surer.image_noise() <= 0.01 && surer.whole.rays > sure.whole.rays);
 }
