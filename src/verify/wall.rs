@@ -105,7 +105,7 @@ impl Throw {
         if self.lamp_radius != 0.0 {
             length("radius of the lamp", self.lamp_radius)?;
         }
-        if !(self.wall_tilt.abs() <= Self::MOST_TILT) {
+        if !(-Self::MOST_TILT..=Self::MOST_TILT).contains(&self.wall_tilt) {
             return Err(ThrowError::Tilt(self.wall_tilt));
         }
         if !(1..=Self::MOST_PIXELS).contains(&measuring.resolution) || measuring.rays == 0 {
