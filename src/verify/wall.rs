@@ -136,10 +136,12 @@ impl Throw {
             wall.meets(point, source.map_or(wall.c, |source| point - source))
         };
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for at in corners(experiment.surface).into_iter().filter_map(thrown) {
+        for at in corners(experiment.surface).map(thrown) {
+            // What passes the wall's horizon is spread without end.
+            let at = at.unwrap_or(DVec2::INFINITY);
             (low, high) = (low.min(at), high.max(at));
         }
-        let plate = high - low;
+        let plate = if high.is_finite() { high - low } else { DVec2::INFINITY };
         let half =
             if source.is_some() { (self.lamp_radius / self.lamp_distance).asin() } else { experiment.lamp.reach() };
         let (sin, cos) = self.wall_tilt.to_radians().sin_cos();

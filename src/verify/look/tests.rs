@@ -178,6 +178,42 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
 }
 
 #[test]
+fn extreme_settings_are_refused_or_give_finite_pictures() {
+    let slopes = (0..9).map(|k| Slope::new(0.3 * f64::from(k % 3 - 1), 0.2 * f64::from(k / 3 - 1)));
+    let facets = slopes.map(|slope| Facet { height: slope.p - slope.q, slope }).collect();
+    let relief = FacetedRelief::uniform(3, 3, DVec2::new(9.0, 5.0), facets);
+    let setup = Setup::new(f64::to_radians(89.9), 1.0, 0.0, Projection::Equidistant, 0.3);
+    let (mut seen, mut refused) = (0, 0);
+    for surface in [GridSurface::new(&relief), GridSurface::panel(&relief)] {
+        for (material, lamp) in [("brass:ggx:0.001,2", 0.0), ("mirror", 3.1), ("paint:1", 1e-6)] {
+            let experiment = under(&surface, &setup, material, lamp);
+            let angles = [(0.0, 0.0), (45.0, -1e9), (89.999, 77.0)];
+            for ((theta, phi), distance) in angles.into_iter().flat_map(|a| [1e-3, 7.0, 1e9].map(|d| (a, d))) {
+                for (field_of_view, radius) in
+                    [1e-6, 20.0, 160.0].into_iter().flat_map(|f| [1e-3, 5.0, 1e8].map(|r| (f, r)))
+                {
+                    for shape in [Shape::Flat, Shape::Sphere { radius }, Shape::Cylinder { radius }] {
+                        let size = [5, 3];
+                        let settings =
+                            Look { theta, phi, distance, field_of_view, size, shape, rays: 4, ..Look::default() };
+                        match look(&experiment, &settings, &Progress::silent()) {
+                            Ok(sight) => {
+                                seen += 1;
+                                let finite = |raster: &Raster| raster.values.iter().all(|v| v.is_finite() && *v >= 0.0);
+                                let all = [&sight.radiance, &sight.errors, &sight.trapped];
+                                assert!(all.into_iter().all(finite), "{settings:?}");
+                            }
+                            Err(_) => refused += 1,
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(seen > 300 && refused > 300, "{seen} {refused}");
+}
+
+#[test]
 fn nonsense_is_refused_and_nothing_depends_on_threads() {
     let (plate, panel, setup) = (GridSurface::new(&flat()), GridSurface::panel(&flat()), slanting());
     let (rough, smooth) = (under(&plate, &setup, "brass:ggx:0.3", 0.0), under(&plate, &setup, "brass", 0.0));

@@ -178,6 +178,44 @@ fn a_far_wall_shows_the_highlight_image_in_any_mounting() {
 }
 
 #[test]
+fn extreme_settings_are_refused_or_give_finite_light() {
+    let slopes = (0..9).map(|k| Slope::new(0.3 * f64::from(k % 3 - 1), 0.2 * f64::from(k / 3 - 1)));
+    let facets = slopes.map(|slope| Facet { height: slope.p - slope.q, slope }).collect();
+    let relief = FacetedRelief::uniform(3, 3, DVec2::new(9.0, 5.0), facets);
+    let measuring = Measuring { rays: 600, resolution: 5, ..Measuring::default() };
+    let (mut thrown, mut refused) = (0, 0);
+    for surface in [GridSurface::new(&relief), GridSurface::panel(&relief)] {
+        for theta in [0.0, 60.0, 89.9f64] {
+            let setup = Setup::new(theta.to_radians(), 1.0, 0.0, Projection::Screen, 0.3);
+            let material = "brass:ggx:0.3".parse().unwrap();
+            let experiment = Experiment { material, lamp: Lamp::round(0.1), ..Experiment::new(&surface, &setup) };
+            let lengths = [1e-3, 7.0, 1e9];
+            for (lamp_distance, wall_distance) in
+                [1e-3, 7.0, 1e9, f64::INFINITY].into_iter().flat_map(|d| lengths.map(|w| (d, w)))
+            {
+                for (lamp_radius, half_width) in [0.0, 1e-3, 5.0, 1e9].into_iter().flat_map(|r| lengths.map(|h| (r, h)))
+                {
+                    for wall_tilt in [-85.0, 0.0, 60.0] {
+                        let settings = Throw { lamp_distance, lamp_radius, wall_distance, wall_tilt, half_width };
+                        match throw(&experiment, &settings, &measuring, &Progress::silent()) {
+                            Ok(light) => {
+                                thrown += 1;
+                                assert!(light.irradiance().values.iter().all(|v| v.is_finite()), "{settings:?}");
+                                assert!((light.measurement.whole.balance() - 1.0).abs() < 1e-9, "{settings:?}");
+                                assert!(light.blur.plate.min_element() >= 0.0, "{settings:?} {:?}", light.blur);
+                                assert!(light.blur.lamp.min_element() >= 0.0, "{settings:?} {:?}", light.blur);
+                            }
+                            Err(_) => refused += 1,
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(thrown > 500 && refused > 500, "{thrown} {refused}");
+}
+
+#[test]
 fn nonsense_is_refused_and_nothing_depends_on_threads() {
     let (surface, setup) = (one_facet(Slope::FLAT, DVec2::splat(10.0)), slanting(Projection::Screen));
     let experiment = Experiment::new(&surface, &setup);
