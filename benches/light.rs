@@ -25,7 +25,7 @@ const PATHS: u64 = 250_000;
 fn light_over(surface: &impl Surface, threads: &ThreadPool) -> Measurement {
     let measuring = Measuring { rays: PATHS, ..Measuring::default() };
     let setup = subject::setup();
-    threads.install(|| measure(&Experiment::new(surface, &setup), &setup, &measuring, &Progress::silent())).unwrap()
+    threads.install(|| measure(&Experiment::new(surface, &setup), &measuring, &Progress::silent())).unwrap()
 }
 
 fn tracing(c: &mut Criterion) {

@@ -34,8 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for theta in [0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0] {
         recipe.light.theta = theta;
         let setup = recipe.setup();
-        let seen = measure(&Experiment::new(&overhead, &setup), &setup, &measuring, &silent)
-            .ok_or("no light falls on the plate")?;
+        let seen =
+            measure(&Experiment::new(&overhead, &setup), &measuring, &silent).ok_or("no light falls on the plate")?;
         let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
         let kept = Verdict::new(&seen, &target, setup.view(), &silent).ok_or("no light in the image")?;
         let own = prove(&recipe, &picture.light, &design(&recipe, &picture.light, &silent)?, &silent)?.verdict;

@@ -58,7 +58,8 @@
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
 //! 7. **Proof.** [`trace`] follows rays over the relief or over any mesh, [`verify`] collects them as an image and
-//!    scores it, each figure with its standard error.
+//!    scores it, each figure with its standard error. [`verify::wall`] is the reflection on a wall nearby and
+//!    [`verify::look`] what a camera sees of the plate.
 //! 8. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
 //! 9. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
 //!

@@ -75,8 +75,7 @@ fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
     let (escaped, by_grid) = timed(|| trace(&grid, side));
     let (also, by_mesh) = timed(|| trace(&surface, side));
     let measuring = Measuring { rays: (side * side) as u64, ..Measuring::default() };
-    let (_, measured) =
-        timed(|| measure(&Experiment::new(&grid, &recipe.setup()), &recipe.setup(), &measuring, &Progress::silent()));
+    let (_, measured) = timed(|| measure(&Experiment::new(&grid, &recipe.setup()), &measuring, &Progress::silent()));
     Ok(json!({
         "triangles": mesh.triangles.len(), "paths": side * side, "escaped": escaped, "escaped_mesh": also,
         "seconds": { "grid": by_grid, "mesh": by_mesh, "measure": measured, "planting": planting },

@@ -95,7 +95,7 @@ impl Comparison<'_> {
 }
 
 /// Side of a panel for an image of `n` pixels: the smallest whole multiple from 384 up, or a whole part up to 768.
-fn panel_side(n: usize) -> usize {
+pub(super) fn panel_side(n: usize) -> usize {
     match n {
         0 => 384,
         1..=768 => n * 384usize.div_ceil(n),
@@ -104,7 +104,7 @@ fn panel_side(n: usize) -> usize {
 }
 
 /// `raster` with `side` × `side` pixels of the same brightness (values are not shared out among the new pixels).
-fn enlarged(raster: &Raster, side: usize) -> Raster {
+pub(super) fn enlarged(raster: &Raster, side: usize) -> Raster {
     let (width, height) = (raster.width, raster.height);
     // A few pixels are shown as what they are; many are shown smooth.
     if width.max(height) > side || width.min(height) < 96 {

@@ -16,6 +16,8 @@ pub mod comparison;
 
 pub mod float_tiff;
 
+pub mod sights;
+
 pub mod heightmap;
 
 pub mod shading;

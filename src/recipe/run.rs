@@ -106,7 +106,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let surface = GridSurface::new(&design.relief);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let measurement = measure(&Experiment::new(&surface, setup), setup, &measuring, progress).ok_or_else(unlit)?;
+    let measurement = measure(&Experiment::new(&surface, setup), &measuring, progress).ok_or_else(unlit)?;
     progress.stage("scoring");
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;

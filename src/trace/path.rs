@@ -120,12 +120,16 @@ impl<'a, S: Surface> Follower<'a, S> {
     }
 }
 
-/// Direction and weight of light that comes along `direction` onto a rough piece; weight 0 if none is left.
-///
-/// The lobe's x axis is the plate's, carried along by the smallest rotation that takes +z to the normal.
-fn scatter(material: &Material, normal: DVec3, direction: DVec3, random: &mut Xoshiro256PlusPlus) -> (DVec3, f64) {
+/// Axes in which a material scatters light at a piece with this unit normal, as columns: the lobe's x axis is the
+/// plate's, carried along by the smallest rotation that takes +z to the normal.
+pub(crate) fn frame(normal: DVec3) -> DMat3 {
     let (e1, e2) = carried_axes(normal);
-    let frame = DMat3::from_cols(e1, e2, normal);
+    DMat3::from_cols(e1, e2, normal)
+}
+
+/// Direction and weight of light that comes along `direction` onto a rough piece; weight 0 if none is left.
+fn scatter(material: &Material, normal: DVec3, direction: DVec3, random: &mut Xoshiro256PlusPlus) -> (DVec3, f64) {
+    let frame = frame(normal);
     let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
     let u = [unit(), unit(), unit()];
     match material.scatter(frame.transpose() * -direction, u) {

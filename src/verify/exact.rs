@@ -27,7 +27,7 @@ pub(super) fn parts<S: Surface, C: Screen>(
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let light = experiment.light;
+    let light = experiment.setup.light();
     let slanting = light.truncate().length() > SLANT;
     // Half of the rays for what little meets walls: there each counts in full.
     let rays = if slanting { measuring.rays / 2 } else { measuring.rays };
@@ -46,7 +46,8 @@ fn over_facets<S: Surface, C: Screen>(
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let &Experiment { surface, ref material, light, .. } = experiment;
+    let &Experiment { surface, setup, ref material, .. } = experiment;
+    let light = setup.light();
     let beams = Beams::new(surface, light);
     let step = beams.whole() / measuring.rays as f64;
     (0..PARTS)

@@ -1,5 +1,6 @@
 //! Distant lamps: a point of light, a disc such as the sun, or a picture on the sky.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -8,6 +9,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::projection::{Projection, View, carried_axes};
 use crate::raster::Raster;
+use crate::slope::angle_between;
 
 /// The shape of a distant lamp around its middle.
 #[derive(Clone, Debug, Default)]
@@ -75,6 +77,30 @@ impl Lamp {
         }
     }
 
+    /// Density, 1/sr, with which [`sample`](Self::sample) draws the unit vector `l`: the lamp's radiance toward it if all
+    /// of its light adds up to 1. A point has none anywhere.
+    pub fn density(&self, middle: DVec3, l: DVec3) -> f64 {
+        match self {
+            Self::Point => 0.0,
+            Self::Disc { radius } => {
+                let within = angle_between(middle, l) <= *radius;
+                // 1 - cos without cancellation.
+                if within { 1.0 / (2.0 * TAU * (0.5 * radius).sin().powi(2)) } else { 0.0 }
+            }
+            Self::Picture(lamp) => {
+                let view = View::new(Projection::Equidistant, lamp.half_field, middle);
+                let (width, height) = (lamp.width, lamp.height);
+                let Some(uv) = view.forward(l) else { return 0.0 };
+                let Some((column, row)) = View::pixel_at(uv, width, height) else { return 0.0 };
+                let pixel = row * width + column;
+                let before = if pixel == 0 { 0.0 } else { lamp.cumulative[pixel - 1] };
+                let share = (lamp.cumulative[pixel] - before) / lamp.cumulative[width * height - 1];
+                let size = 4.0 / (width * height) as f64 * view.solid_angle_density(uv);
+                if size > 0.0 { share / size } else { 0.0 }
+            }
+        }
+    }
+
     /// A direction to the lamp around its `middle` (unit vectors), with a density in proportion to radiance.
     pub fn sample(&self, middle: DVec3, random: &mut Xoshiro256PlusPlus) -> DVec3 {
         let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
@@ -83,7 +109,7 @@ impl Lamp {
             Self::Disc { radius } => {
                 // Uniform over the cap of the disc's solid angle.
                 let cosine = 1.0 - unit() * (1.0 - radius.cos());
-                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), std::f64::consts::TAU * unit());
+                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * unit());
                 let (e1, e2) = carried_axes(middle);
                 cosine * middle + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
             }
@@ -107,7 +133,7 @@ mod tests {
     use rand::SeedableRng;
 
     use super::*;
-    use crate::slope::{angle_between, direction};
+    use crate::slope::direction;
 
     #[test]
     fn a_disc_is_even_over_its_solid_angle() {
@@ -138,5 +164,30 @@ mod tests {
         assert_eq!(counts[1] + counts[15], 10_000);
         assert!((f64::from(counts[1]) / 10_000.0 - 0.75).abs() < 0.02);
         assert!(Lamp::picture(&Raster::zeros(4, 4), 0.2).is_none());
+    }
+
+    #[test]
+    fn the_density_is_that_of_the_samples_and_adds_up_to_one() {
+        let picture = Raster::from_fn(5, 3, |x, y| (x + 2 * y) as f64);
+        let middle = direction(0.4, -1.0);
+        for lamp in [Lamp::round(0.25), Lamp::picture(&picture, 0.3).unwrap()] {
+            let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+            // Half of the cap around the middle, by chance and by integration on a fine grid of directions.
+            let view = View::new(Projection::Equidistant, 0.45, middle);
+            let n = 300;
+            let (mut half, mut all) = (0.0, 0.0);
+            for k in 0..n * n {
+                let uv = View::pixel_centre(k % n, k / n, n, n);
+                let l = view.inverse(uv).unwrap();
+                let share = lamp.density(middle, l) * view.solid_angle_density(uv) * 4.0 / (n * n) as f64;
+                all += share;
+                half += if uv.x > 0.1 { share } else { 0.0 };
+            }
+            assert!((all - 1.0).abs() < 0.01, "{lamp:?} {all}");
+            let within = |l: DVec3| view.forward(l).unwrap().x > 0.1;
+            let count = (0..40_000).filter(|_| within(lamp.sample(middle, &mut random))).count();
+            assert!((count as f64 / 40_000.0 - half).abs() < 0.012, "{lamp:?} {half} {count}");
+        }
+        assert_eq!(Lamp::Point.density(middle, middle), 0.0);
     }
 }

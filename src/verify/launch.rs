@@ -54,8 +54,8 @@ impl<'a> RayGrid<'a> {
     /// A ray from its own jittered place: origin, direction, and weight beside that of a ray from the lamp's middle.
     #[inline]
     pub fn ray(&self, column: usize, row: usize, random: &mut Xoshiro256PlusPlus) -> (DVec3, DVec3, f64) {
-        let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        let at = DVec2::new((column as f64 + unit()) / self.columns as f64, (row as f64 + unit()) / self.rows as f64);
+        let (x, y) = (unit(random), unit(random));
+        let at = DVec2::new((column as f64 + x) / self.columns as f64, (row as f64 + y) / self.rows as f64);
         let origin = (self.low + self.size * at).extend(self.z);
         if self.lamp.is_point() {
             return (origin, -self.light, 1.0);
@@ -64,4 +64,10 @@ impl<'a> RayGrid<'a> {
         let weight = l.z.max(0.0) / self.light.z;
         (origin, -l.with_z(l.z.max(1e-6)).normalize(), weight)
     }
+}
+
+/// A uniform number in [0, 1).
+#[inline]
+pub(super) fn unit(random: &mut Xoshiro256PlusPlus) -> f64 {
+    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -47,19 +47,18 @@ impl Default for Measuring {
 pub struct Experiment<'a, S> {
     /// What light falls on.
     pub surface: &'a S,
+    /// Where light comes from, and the highlight image around its mirror direction.
+    pub setup: &'a Setup,
     /// What the surface is made of.
     pub material: Material,
-    /// Unit vector to the middle of the lamp, light.z > 0.
-    pub light: DVec3,
-    /// The lamp's shape.
+    /// The lamp's shape around the setup's light.
     pub lamp: Lamp,
 }
 
 impl<'a, S: Surface> Experiment<'a, S> {
     /// An ideal mirror under the setup's own round lamp.
-    pub fn new(surface: &'a S, setup: &Setup) -> Self {
-        let lamp = Lamp::round(setup.light_radius());
-        Self { surface, material: Material::MIRROR, light: setup.light(), lamp }
+    pub fn new(surface: &'a S, setup: &'a Setup) -> Self {
+        Self { surface, setup, material: Material::MIRROR, lamp: Lamp::round(setup.light_radius()) }
     }
 }
 
@@ -96,16 +95,16 @@ impl Screen for HighlightImage<'_> {
 /// Rounds of a measurement that is to reach an error, each as long as all before it.
 const MOST_ROUNDS: u32 = 12;
 
-/// Sends light over the surface and collects it in the highlight image of `setup`.
+/// Sends light over the surface and collects it in the highlight image of its setup.
 ///
 /// `None` if no ray met the optical area, or the work was cancelled.
 pub fn measure<S: Surface>(
     experiment: &Experiment<'_, S>,
-    setup: &Setup,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Option<Measurement> {
-    collect(experiment, &HighlightImage { setup, resolution: measuring.resolution }, measuring, progress)
+    let screen = HighlightImage { setup: experiment.setup, resolution: measuring.resolution };
+    collect(experiment, &screen, measuring, progress)
 }
 
 /// Sends light over the surface and collects it on `screen`; the same for any number of threads.
@@ -117,15 +116,22 @@ pub fn collect<S: Surface, C: Screen>(
     measuring: &Measuring,
     progress: &Progress,
 ) -> Option<Measurement> {
-    let mut measurement = round(experiment, screen, measuring, progress)?;
+    until_error(measuring, |measuring| round(experiment, screen, measuring, progress))
+}
+
+/// One round, and if an error is asked for, more of them with other random numbers until it is reached.
+pub(super) fn until_error(
+    measuring: &Measuring,
+    round: impl Fn(&Measuring) -> Option<Measurement>,
+) -> Option<Measurement> {
+    let mut measurement = round(measuring)?;
     let Some(error) = measuring.error else { return Some(measurement) };
     for k in 0..MOST_ROUNDS {
         if measurement.image_noise() <= error {
             break;
         }
         let seed = measuring.seed.wrapping_add(u64::from(k + 1) << 32);
-        let next = Measuring { rays: measuring.rays << k, seed, ..*measuring };
-        measurement.merge(&round(experiment, screen, &next, progress)?);
+        measurement.merge(&round(&Measuring { rays: measuring.rays << k, seed, ..*measuring })?);
     }
     Some(measurement)
 }
@@ -153,8 +159,8 @@ pub(super) fn sent<S: Surface, C: Screen>(
     wanted: impl Fn(Kind) -> bool + Sync,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let Experiment { surface, material, light, lamp } = experiment;
-    let grid = RayGrid::new(*surface, *light, lamp, measuring.rays);
+    let Experiment { surface, setup, material, lamp } = experiment;
+    let grid = RayGrid::new(*surface, setup.light(), lamp, measuring.rays);
     let (low, high) = surface.optical_area();
     let incident = |hit: &Hit<S::Place>| {
         let (at, kind) = (hit.point.truncate(), surface.kind(hit.place));

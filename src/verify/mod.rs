@@ -20,4 +20,14 @@ pub mod goniometer;
 
 pub mod microgeometry;
 
+mod near;
+
+pub mod wall;
+
+pub mod camera;
+
+mod gather;
+
+pub mod look;
+
 pub mod verdict;

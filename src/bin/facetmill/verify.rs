@@ -33,7 +33,7 @@ struct Mirrored<'a> {
 impl Task for Mirrored<'_> {
     type Output = Option<Measurement>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        measure(&Experiment::new(surface, self.setup), self.setup, self.measuring, self.progress)
+        measure(&Experiment::new(surface, self.setup), self.measuring, self.progress)
     }
 }
 

@@ -8,8 +8,9 @@ use glam::DVec3;
 use super::table::{BrdfAxes, BrdfTable};
 use crate::brdf::material::Material;
 use crate::progress::Progress;
+use crate::projection::Projection;
+use crate::setup::Setup;
 use crate::trace::Surface;
-use crate::verify::lamp::Lamp;
 use crate::verify::measure::{Experiment, Measuring, Screen, collect};
 
 /// A measured BRDF, and the light that it does not hold.
@@ -69,8 +70,9 @@ pub fn sweep<S: Surface>(
     let mut table = BrdfTable::new(axes.clone());
     let mut ledger = Vec::with_capacity(slices);
     for slice in 0..slices {
-        let light = axes.incident(slice);
-        let experiment = Experiment { surface, material: material.clone(), light, lamp: Lamp::Point };
+        let (theta, phi) = axes.incident_angles(slice);
+        let setup = Setup::new(theta, phi, 0.0, Projection::Equidistant, 1.0);
+        let experiment = Experiment { material: material.clone(), ..Experiment::new(surface, &setup) };
         let seed = measuring.seed.wrapping_add((slice as u64) << 20);
         let screen = HalfVectors { axes: &axes, slice };
         let measured = collect(&experiment, &screen, &Measuring { seed, ..*measuring }, &progress.hushed())?;

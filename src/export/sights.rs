@@ -1,0 +1,265 @@
+//! What a person sees, as pages: the plate before the camera and the reflection on the wall, with exposure and scale.
+
+use image::{GrayImage, Rgb, RgbImage};
+
+use super::comparison::{enlarged, panel_side};
+use super::lettering::{self, Align, Style};
+use super::picture::{common_white, fill, frame, tone_mapped};
+use super::ticks::{number, round_below};
+use crate::raster::Raster;
+use crate::verify::look::{Look, Shape, Sight};
+use crate::verify::wall::{Throw, Thrown};
+
+const PAGE: Rgb<u8> = Rgb([255; 3]);
+const TEXT: Rgb<u8> = Rgb([51; 3]);
+const NOTE: Rgb<u8> = Rgb([105; 3]);
+const LINE: Rgb<u8> = Rgb([120; 3]);
+
+/// How such a page is made.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Exposure {
+    /// What is shown white, in the picture's own unit; by itself what 99.5 % of its lit pixels stay below.
+    pub white: Option<f64>,
+    /// Turned left for right: a wall as it looks from where the plate is.
+    pub mirrored: bool,
+    /// A line over the picture, if not empty.
+    pub heading: String,
+}
+
+impl Exposure {
+    fn white(&self, raster: &Raster) -> f64 {
+        let given = self.white.filter(|white| *white > 0.0 && white.is_finite());
+        given.unwrap_or_else(|| [common_white(raster), 1.0].into_iter().find(|w| *w > 0.0).unwrap_or(1.0))
+    }
+
+    fn turned(&self, raster: &Raster) -> Raster {
+        if !self.mirrored {
+            return raster.clone();
+        }
+        Raster::from_fn(raster.width, raster.height, |x, y| raster.at(raster.width - 1 - x, y))
+    }
+}
+
+/// The camera's picture with its exposure; few pixels are shown as whole blocks.
+pub fn look_page(sight: &Sight, look: &Look, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&sight.radiance);
+    let white = exposure.white(&raster);
+    let times = 384usize.div_ceil(raster.width.max(raster.height).max(1)).max(1) as u32;
+    let grey = tone_mapped(&raster, white);
+    let grey =
+        GrayImage::from_fn(grey.width() * times, grey.height() * times, |x, y| *grey.get_pixel(x / times, y / times));
+    let worn = match look.shape {
+        Shape::Flat => "plate".to_owned(),
+        Shape::Sphere { radius } => format!("ball of radius {} mm", number(radius)),
+        Shape::Cylinder { radius } => format!("cylinder of radius {} mm", number(radius)),
+    };
+    let [theta, phi, away, across] = [look.theta, look.phi, look.distance, look.field_of_view].map(number);
+    let notes = [
+        format!(
+            "{worn} from {away} mm at {theta}°, {phi}° · {across}° across · surroundings {}/sr",
+            digits(look.ambient)
+        ),
+        format!("white is {}/sr under a lamp of irradiance 1 · sRGB, no other curve", digits(white)),
+    ];
+    Page::new(&grey, &exposure.heading, &notes, false).image
+}
+
+/// The wall's picture with a scale in mm along its edges, its exposure, and what the distances blur.
+pub fn wall_page(thrown: &Thrown, throw: &Throw, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&thrown.irradiance());
+    let white = exposure.white(&raster);
+    let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
+    let lamp = if throw.lamp_distance.is_finite() {
+        format!("lamp of radius {} mm at {} mm", number(throw.lamp_radius), number(throw.lamp_distance))
+    } else {
+        "distant lamp".to_owned()
+    };
+    let wall = number(throw.wall_distance);
+    let tilt = if throw.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(throw.wall_tilt)) };
+    let blur = &thrown.blur;
+    let [pu, pv, lu, lv] = [blur.plate.x, blur.plate.y, blur.lamp.x, blur.lamp.y].map(digits);
+    let [a, b] = [blur.plate_angle.max_element(), blur.lamp_angle].map(|angle| digits(angle.to_degrees()));
+    let [(landed, error), ..] = thrown.shares();
+    let side = if exposure.mirrored { "seen from the plate" } else { "as the highlight image" };
+    let notes = [
+        format!("wall at {wall} mm{tilt}, {side} · {lamp} · scale in mm"),
+        format!("blurred by the plate over {pu} × {pv} mm ({a}°) · by the lamp over {lu} × {lv} mm ({b}°)"),
+        format!(
+            "white is {} × the irradiance on the plate · {} ± {} % of its light lands here",
+            digits(white),
+            number(100.0 * landed),
+            digits(100.0 * error)
+        ),
+    ];
+    let mut page = Page::new(&grey, &exposure.heading, &notes, true);
+    page.scales(thrown.half_width, exposure.mirrored);
+    page.image
+}
+
+/// Three digits, however large or small.
+fn digits(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || !size.is_finite() {
+        return if size == 0.0 { "0".into() } else { "∞".into() };
+    }
+    let decade = size.log10().floor();
+    match decade as i32 {
+        -3..=5 => {
+            let step = 10f64.powf(decade - 2.0);
+            let rounded = (value / step).round() * step;
+            if decade >= -1.0 {
+                return number(rounded);
+            }
+            format!("{rounded:.*}", (2.0 - decade) as usize).trim_end_matches('0').to_owned()
+        }
+        _ => format!("{value:.2e}"),
+    }
+}
+
+/// A picture on paper: heading above, notes below, room for scales where there are any.
+struct Page {
+    image: RgbImage,
+    left: i64,
+    top: i64,
+    width: i64,
+    height: i64,
+    unit: f64,
+}
+
+impl Page {
+    fn new(grey: &GrayImage, heading: &str, notes: &[String], scaled: bool) -> Self {
+        let (width, height) = (i64::from(grey.width()), i64::from(grey.height()));
+        let unit = (width.max(height) as f64 / 512.0).max(0.75);
+        let px = |length: f64| (length * unit).round() as i64;
+        let top = px(if heading.is_empty() { 28.0 } else { 62.0 });
+        let left = px(if scaled { 92.0 } else { 28.0 });
+        let below = top + height + px(if scaled { 76.0 } else { 38.0 });
+        let total = (left + width + px(34.0)).max(px(620.0));
+        let tall = below + notes.len() as i64 * px(26.0);
+        let mut image = RgbImage::from_pixel(total as u32, tall as u32, PAGE);
+        for (x, y, pixel) in grey.enumerate_pixels() {
+            image.put_pixel(left as u32 + x, top as u32 + y, Rgb([pixel.0[0]; 3]));
+        }
+        frame(&mut image, [left, top, width, height], px(1.0).max(1), LINE);
+        let mut page = Self { image, left, top, width, height, unit };
+        page.write(heading, top - px(18.0), 26.0, TEXT);
+        for (k, note) in notes.iter().enumerate() {
+            page.write(note, below + k as i64 * px(26.0), 17.0, NOTE);
+        }
+        page
+    }
+
+    fn px(&self, length: f64) -> i64 {
+        (length * self.unit).round() as i64
+    }
+
+    fn write(&mut self, text: &str, y: i64, size: f64, colour: Rgb<u8>) {
+        let left = self.px(28.0);
+        let room = i64::from(self.image.width()) - 2 * left + self.px(14.0);
+        let (text, size) = lettering::fitted(text, (size * self.unit) as f32, room as f32);
+        lettering::draw(&mut self.image, &text, (left as f32, y as f32), Style { size, colour, align: Align::Left });
+    }
+
+    /// Ticks in mm along the lower and the left edge, 0 in the middle; `mirrored` counts u from right to left.
+    fn scales(&mut self, half_width: f64, mirrored: bool) {
+        let Some(step) = round_below(half_width / 2.0) else { return };
+        let lead = step / 10f64.powf(step.log10().floor());
+        let minor = if (lead - 2.0).abs() < 0.1 { 4 } else { 5 };
+        let hair = self.px(1.0).max(1);
+        let most = (half_width / step * f64::from(minor) + 1e-9) as i64;
+        let size = (18.0 * self.unit) as f32;
+        for k in -most..=most {
+            let labelled = k % i64::from(minor) == 0;
+            let at = k as f64 / f64::from(minor) * step;
+            let reach = self.px(if labelled { 9.0 } else { 5.0 });
+            let along =
+                |length: i64, at: f64| (((at / half_width + 1.0) * 0.5 * length as f64).round() as i64).min(length - 1);
+            let x = self.left + along(self.width, if mirrored { -at } else { at });
+            let y = self.top + along(self.height, -at);
+            let bottom = self.top + self.height;
+            fill(&mut self.image, x - hair / 2, bottom + hair, hair, reach, LINE);
+            fill(&mut self.image, self.left - hair - reach, y - hair / 2, reach, hair, LINE);
+            if labelled {
+                let label = if at.abs() < 1e6 { number(at) } else { digits(at) };
+                let style = Style { size, colour: TEXT, align: Align::Centre };
+                let place = (x as f32, (bottom + self.px(30.0)) as f32);
+                lettering::draw(&mut self.image, &label, place, style);
+                let place = ((self.left - self.px(14.0)) as f32, (y + self.px(6.0)) as f32);
+                lettering::draw(&mut self.image, &label, place, Style { align: Align::Right, ..style });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::verify::tally::{Measurement, Tally};
+    use crate::verify::wall::Blur;
+
+    fn thrown(n: usize, half_width: f64) -> Thrown {
+        let mut part = Tally::empty((n, n));
+        part.incident = 1.0;
+        part.up_single = 1.0;
+        part.image.values[0] = 1.0;
+        let measurement = Measurement::of_parts(vec![part; 16]).unwrap();
+        let blur =
+            Blur { plate: DVec2::splat(30.0), lamp: DVec2::ZERO, plate_angle: DVec2::splat(0.03), lamp_angle: 0.0 };
+        Thrown { measurement, blur, half_width }
+    }
+
+    #[test]
+    fn nothing_is_cut_off_at_any_size_and_mirroring_turns_left_to_right() {
+        let throw = Throw::default();
+        for half_width in [1e-3, 0.3, 25.0, 500.0, 1e9] {
+            for (n, heading) in [
+                (1, ""),
+                (16, "A heading that is much too long for a page of this width ".repeat(4).as_str()),
+                (300, "Wall"),
+            ] {
+                let exposure = Exposure { heading: heading.to_owned(), ..Exposure::default() };
+                let page = wall_page(&thrown(n, half_width), &throw, &exposure);
+                let (w, h) = page.dimensions();
+                let edge = |x, y| x == 0 || y == 0 || x == w - 1 || y == h - 1;
+                assert!(page.enumerate_pixels().all(|(x, y, p)| *p == PAGE || !edge(x, y)), "{half_width} {n}");
+            }
+        }
+        let shown = |mirrored| wall_page(&thrown(16, 500.0), &throw, &Exposure { mirrored, ..Exposure::default() });
+        let (plain, turned) = (shown(false), shown(true));
+        // 384 pixels from (69, 21) on at this size: the lit pixel is the upper left one of 16².
+        let (left, top) = (69, 21);
+        assert_eq!(plain.get_pixel(left + 5, top + 5), &Rgb([255; 3]));
+        assert_eq!(plain.get_pixel(left + 379, top + 5), &Rgb([0; 3]));
+        assert_eq!(turned.get_pixel(left + 379, top + 5), &Rgb([255; 3]));
+        assert_eq!(turned.get_pixel(left + 5, top + 5), &Rgb([0; 3]));
+    }
+
+    #[test]
+    fn the_stated_white_is_what_is_shown_white() {
+        let raster = Raster::from_fn(20, 10, |x, _| x as f64);
+        let sight = Sight { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let look = Look { size: [20, 10], ..Look::default() };
+        let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
+        let page = look_page(&sight, &look, &exposure);
+        // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
+        let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
+        assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
+        for white in [Some(0.0), Some(f64::NAN), None] {
+            let page = look_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
+        }
+        let black = Sight { radiance: Raster::zeros(1, 1), errors: Raster::zeros(1, 1), trapped: Raster::zeros(1, 1) };
+        assert!(look_page(&black, &look, &Exposure::default()).width() > 384);
+    }
+
+    #[test]
+    fn digits_are_three() {
+        let cases = [0.0, 0.05, 0.004_567, 0.0123, 0.5, 12.345, 1234.5, 1e9, 2e-7, f64::INFINITY];
+        assert_eq!(
+            cases.map(digits),
+            ["0", "0.05", "0.00457", "0.0123", "0.5", "12.3", "1230", "1.00e9", "2.00e-7", "∞"]
+        );
+    }
+}

@@ -1,0 +1,103 @@
+//! Light that comes back along a ray of sight: a path from the eye, lamp and surroundings looked for at every bounce.
+
+use glam::{DMat3, DVec3};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::lamp::Lamp;
+use super::launch::unit;
+use crate::brdf::material::Material;
+use crate::slope::flat_mirror;
+use crate::trace::path::frame;
+use crate::trace::{Hit, Kind, Surface};
+
+/// What a surface is made of and what shines on it.
+pub(super) struct Gatherer<'a, S> {
+    pub surface: &'a S,
+    pub material: &'a Material,
+    pub lamp: &'a Lamp,
+    /// Toward the lamp's middle, in the frame of the world.
+    pub light: DVec3,
+    /// Radiance of everything around.
+    pub ambient: f64,
+    pub max_bounces: u32,
+}
+
+/// Light of one path.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Gathered {
+    pub radiance: f64,
+    /// What is left of light that wants more bounces.
+    pub trapped: f64,
+}
+
+impl<S: Surface> Gatherer<'_, S> {
+    /// Radiance toward where a ray came from that has met the surface at `hit` along `direction`; `world` takes the
+    /// surface's frame to that of the lamp.
+    ///
+    /// The lamp is looked for both at random points of it and where the material would send light, each weighted by its
+    /// share of the two densities (Veach & Guibas, SIGGRAPH 1995, balance heuristic). BRDFs being reciprocal, the path
+    /// may as well run from the eye.
+    pub fn gather(
+        &self,
+        mut hit: Hit<S::Place>,
+        mut direction: DVec3,
+        world: &DMat3,
+        random: &mut Xoshiro256PlusPlus,
+    ) -> Gathered {
+        let Self { surface, material, lamp, light, ambient, max_bounces } = self;
+        let (smooth, point, endless) = (material.is_smooth(), lamp.is_point(), surface.is_endless());
+        let to_local = world.transpose();
+        let mut sum = Gathered::default();
+        let mut throughput = 1.0;
+        for bounce in 0.. {
+            if surface.kind(hit.place) == Kind::Outer {
+                break;
+            }
+            let axes = frame(surface.normal(hit.place));
+            let wi = axes.transpose() * -direction;
+            if wi.z <= 0.0 {
+                break;
+            }
+            if bounce == *max_bounces {
+                sum.trapped = throughput;
+                break;
+            }
+            if !smooth {
+                let l = lamp.sample(*light, random);
+                let out = to_local * l;
+                let wo = axes.transpose() * out;
+                let returned = material.eval(wi, wo);
+                let lit = returned > 0.0 && (!endless || out.z > 0.0) && surface.next(&hit, out).is_none();
+                if lit {
+                    // The lamp's light adds up to 1: its radiance is the density itself, and cancels.
+                    let weight = if point { 1.0 } else { share(lamp.density(*light, l), material.pdf(wi, wo)) };
+                    sum.radiance += throughput * returned * weight;
+                }
+            }
+            let u = [unit(random), unit(random), unit(random)];
+            let Some((wo, weight)) = material.scatter(wi, u) else { break };
+            throughput *= weight;
+            direction = (axes * wo).normalize();
+            match surface.next(&hit, direction) {
+                Some(next) => hit = next,
+                None if endless && direction.z <= 0.0 => {
+                    sum.trapped = throughput;
+                    break;
+                }
+                None => {
+                    let radiance = lamp.density(*light, *world * direction);
+                    let mirrored = material.lobe().is_none() && wo == flat_mirror(wi);
+                    let weight = if radiance > 0.0 && !mirrored { share(material.pdf(wi, wo), radiance) } else { 1.0 };
+                    sum.radiance += throughput * (ambient + weight * radiance);
+                    break;
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// The first's share of two densities.
+fn share(own: f64, other: f64) -> f64 {
+    if own > 0.0 { own / (own + other) } else { 0.0 }
+}

@@ -1,0 +1,377 @@
+//! The reflection on a wall: a lamp nearby, a flat screen at a stated distance and tilt, all in millimetres.
+//!
+//! ```text
+//!      lamp                        wall      The wall stands square to c, the flat plate's mirror direction, `wall`
+//!        \                        / |        mm from the plate's middle. Its picture has u along e1 and v along e2,
+//!     D   \            W      . '   | v      which are the plate's x and y carried to c: far away it is the highlight
+//!          \            . '   c     |        image in `screen` projection. A tilt turns the wall about its u axis;
+//!   ________\____. '_________       |        a positive one leans its upper edge (v > 0) away from the plate.
+//!             plate
+//! ```
+//!
+//! What finite distances blur: every point of the plate throws its own picture, so that a flat mirror's spot is as large
+//! as the plate itself, times 1 + W/D; and a lamp of radius r is spread to r W/D, as by a pinhole. [`Blur`] has both.
+//! Neither lamp nor wall casts a shadow on the other's light.
+
+use glam::{DMat3, DVec2, DVec3};
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::launch::RayGrid;
+use super::measure::{Experiment, Measuring, until_error};
+use super::near::{NearGrid, Rays};
+use super::tally::{Measurement, PARTS, Tally};
+use crate::progress::Progress;
+use crate::projection::{View, carried_axes};
+use crate::raster::Raster;
+use crate::trace::path::{Fate, Follower};
+use crate::trace::{Hit, Kind, Surface};
+
+/// Where lamp and wall are. The lamp stands toward the setup's light, the wall where a flat plate would throw it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Throw {
+    /// From the plate's middle to the lamp's, mm. Infinite: the experiment's own distant lamp.
+    pub lamp_distance: f64,
+    /// Radius of the lamp, a ball of even radiance, mm; 0 is a point. A distant lamp has its own angular radius.
+    pub lamp_radius: f64,
+    /// From the plate's middle to the wall along the mirror direction, mm.
+    pub wall_distance: f64,
+    /// Degrees by which the wall is turned about its u axis, its upper edge away from the plate.
+    pub wall_tilt: f64,
+    /// From the middle of the wall's picture to its rim, mm.
+    pub half_width: f64,
+}
+
+impl Default for Throw {
+    /// A distant lamp, and two metres of wall one metre away.
+    fn default() -> Self {
+        Self {
+            lamp_distance: f64::INFINITY,
+            lamp_radius: 0.0,
+            wall_distance: 1000.0,
+            wall_tilt: 0.0,
+            half_width: 500.0,
+        }
+    }
+}
+
+/// Full widths along u and v of what finite sizes and distances make of a point of the highlight, mm on the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blur {
+    /// The whole plate's own image, were it a flat mirror under a point of light.
+    pub plate: DVec2,
+    /// The lamp's image through the plate's middle, as by a pinhole; that of a distant lamp's reach.
+    pub lamp: DVec2,
+    /// The angle of the former as the highlight image measures angles, radians.
+    pub plate_angle: DVec2,
+    /// The lamp's full angle seen from the plate's middle, radians.
+    pub lamp_angle: f64,
+}
+
+/// Light on the wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Thrown {
+    /// All light. `up` is what meets the wall, within its picture or beyond; `escaped_down` what meets no wall.
+    pub measurement: Measurement,
+    /// What the distances blur.
+    pub blur: Blur,
+    /// From the middle of the picture to its rim, mm.
+    pub half_width: f64,
+}
+
+impl Throw {
+    /// What values may be in general; lengths in mm.
+    pub const LENGTH: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
+    /// The steepest wall, degrees.
+    pub const MOST_TILT: f64 = 85.0;
+    /// Pixels along a side of the picture.
+    pub const MOST_PIXELS: usize = 2048;
+
+    /// Whether light can be thrown so over the experiment's surface.
+    ///
+    /// # Errors
+    /// A value out of its range, a lamp that dips into the plate or a wall that cuts it.
+    pub fn check<S: Surface>(&self, experiment: &Experiment<'_, S>, measuring: &Measuring) -> Result<(), ThrowError> {
+        let length = |what, value: f64| {
+            if Self::LENGTH.contains(&value) { Ok(()) } else { Err(ThrowError::Length { what, value }) }
+        };
+        if self.lamp_distance != f64::INFINITY {
+            length("distance of the lamp", self.lamp_distance)?;
+        }
+        length("distance of the wall", self.wall_distance)?;
+        length("half width of the wall's picture", self.half_width)?;
+        if self.lamp_radius != 0.0 {
+            length("radius of the lamp", self.lamp_radius)?;
+        }
+        if !(-Self::MOST_TILT..=Self::MOST_TILT).contains(&self.wall_tilt) {
+            return Err(ThrowError::Tilt(self.wall_tilt));
+        }
+        if !(1..=Self::MOST_PIXELS).contains(&measuring.resolution) || measuring.rays == 0 {
+            return Err(ThrowError::Measuring);
+        }
+        let wall = Wall::new(self, experiment);
+        let (_, top) = experiment.surface.height_range();
+        if wall.lamp(self).is_some_and(|lamp| lamp.z - self.lamp_radius <= top + 1e-3 * Self::LENGTH.start()) {
+            return Err(ThrowError::LampInPlate { distance: self.lamp_distance });
+        }
+        let bottom = experiment.surface.height_range().0;
+        let behind = |corner: DVec2| [bottom, top].into_iter().any(|z| wall.depth(corner.extend(z)) <= 0.0);
+        if corners(experiment.surface).into_iter().any(behind) {
+            return Err(ThrowError::WallInPlate { distance: self.wall_distance, tilt: self.wall_tilt });
+        }
+        Ok(())
+    }
+
+    /// By how much finite distances and sizes blur; all closed forms.
+    ///
+    /// Meaningful only for values that pass [`check`](Self::check).
+    pub fn blur<S: Surface>(&self, experiment: &Experiment<'_, S>) -> Blur {
+        let wall = Wall::new(self, experiment);
+        let source = wall.lamp(self).map(|lamp| lamp.with_z(2.0 * wall.middle.z - lamp.z));
+        let thrown = |corner: DVec2| {
+            // From the lamp's mirror image, or along c from an endless distance.
+            let point = corner.extend(wall.middle.z);
+            wall.meets(point, source.map_or(wall.c, |source| point - source))
+        };
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for at in corners(experiment.surface).map(thrown) {
+            // What passes the wall's horizon is spread without end.
+            let at = at.unwrap_or(DVec2::INFINITY);
+            (low, high) = (low.min(at), high.max(at));
+        }
+        let plate = if high.is_finite() { high - low } else { DVec2::INFINITY };
+        let half =
+            if source.is_some() { (self.lamp_radius / self.lamp_distance).asin() } else { experiment.lamp.reach() };
+        let (sin, cos) = self.wall_tilt.to_radians().sin_cos();
+        let w = self.wall_distance;
+        // The ellipse in which a cone of that half angle around c cuts the wall.
+        let up = |angle: f64| w * (cos * (angle + self.wall_tilt.to_radians()).tan() - sin);
+        let spread = half.tan();
+        let under = cos * cos - (spread * sin).powi(2);
+        let lamp = if under > 0.0 {
+            DVec2::new(2.0 * w * spread * cos / under.sqrt(), up(half) - up(-half))
+        } else {
+            DVec2::INFINITY
+        };
+        let plate_angle = DVec2::new(plate.x, plate.y * cos).map(|width| 2.0 * (0.5 * width / w).atan());
+        Blur { plate, lamp, plate_angle, lamp_angle: 2.0 * half }
+    }
+}
+
+/// The wall in the plate's frame.
+struct Wall {
+    middle: DVec3,
+    light: DVec3,
+    c: DVec3,
+    centre: DVec3,
+    u: DVec3,
+    v: DVec3,
+    normal: DVec3,
+    half_width: f64,
+}
+
+impl Wall {
+    fn new<S: Surface>(throw: &Throw, experiment: &Experiment<'_, S>) -> Self {
+        let (low, high) = experiment.surface.optical_area();
+        let (bottom, top) = experiment.surface.height_range();
+        let middle = (0.5 * (low + high)).extend(0.5 * (bottom + top));
+        // The highlight image lives in the drawing's frame; rays in that of the plate, which may be mounted tilted.
+        let (x, y) = carried_axes(experiment.setup.plate_normal());
+        let to_plate = DMat3::from_cols(x, y, experiment.setup.plate_normal()).transpose();
+        let centre = experiment.setup.view().centre();
+        let (e1, e2) = carried_axes(centre);
+        let (c, e1, e2) = (to_plate * centre, to_plate * e1, to_plate * e2);
+        let (sin, cos) = throw.wall_tilt.to_radians().sin_cos();
+        Self {
+            middle,
+            light: experiment.setup.light(),
+            c,
+            centre: middle + throw.wall_distance * c,
+            u: e1,
+            v: cos * e2 + sin * c,
+            normal: cos * c - sin * e2,
+            half_width: throw.half_width,
+        }
+    }
+
+    /// The lamp's middle, unless it is distant.
+    fn lamp(&self, throw: &Throw) -> Option<DVec3> {
+        throw.lamp_distance.is_finite().then(|| self.middle + throw.lamp_distance * self.light)
+    }
+
+    /// How far a point lies in front of the wall, mm.
+    fn depth(&self, point: DVec3) -> f64 {
+        (self.centre - point).dot(self.normal)
+    }
+
+    /// Where on the wall a ray arrives, mm along u and v.
+    fn meets(&self, point: DVec3, direction: DVec3) -> Option<DVec2> {
+        let (depth, speed) = (self.depth(point), direction.dot(self.normal));
+        let way = depth / speed;
+        if !(speed > 0.0 && depth > 0.0 && way.is_finite()) {
+            return None;
+        }
+        let at = point + way * direction - self.centre;
+        Some(DVec2::new(at.dot(self.u), at.dot(self.v)))
+    }
+}
+
+fn corners<S: Surface>(surface: &S) -> [DVec2; 4] {
+    let (low, high) = surface.optical_area();
+    [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)]
+}
+
+impl Thrown {
+    /// Shares of incident light that land in the picture, on the wall beyond it, and nowhere on the wall, each with
+    /// its standard error. The rest is taken by the material, by the plate's sides or is still bouncing.
+    pub fn shares(&self) -> [(f64, f64); 3] {
+        let shares = |tally: &Tally| {
+            [tally.image.sum(), tally.outside_image, tally.escaped_down].map(|light| light / tally.incident)
+        };
+        let (values, errors) = (shares(&self.measurement.whole), self.measurement.standard_errors(shares));
+        std::array::from_fn(|k| (values[k], errors[k]))
+    }
+
+    /// Area of a pixel, mm².
+    pub fn pixel_area(&self) -> f64 {
+        (2.0 * self.half_width / self.measurement.whole.image.width as f64).powi(2)
+    }
+
+    /// Irradiance on the wall, as a multiple of that on the plate's middle (on a horizontal mm²).
+    pub fn irradiance(&self) -> Raster {
+        self.measurement.whole.image.clone().scaled(1.0 / self.pixel_area())
+    }
+
+    /// Standard error of each pixel of [`irradiance`](Self::irradiance).
+    pub fn errors(&self) -> Raster {
+        let whole = &self.measurement.whole;
+        self.measurement.pixel_errors().scaled((whole.up_single + whole.up_multi) / self.pixel_area())
+    }
+}
+
+/// Throws light over the surface onto the wall; the same for any number of threads.
+///
+/// The picture has `measuring.resolution` pixels a side, and goes on until `measuring.error`, if any; an endless panel is lit, and throws light, within one period.
+///
+/// # Errors
+/// See [`Throw::check`]; also if no ray met the plate, or the work was cancelled.
+pub fn throw<S: Surface>(
+    experiment: &Experiment<'_, S>,
+    throw: &Throw,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Result<Thrown, ThrowError> {
+    throw.check(experiment, measuring)?;
+    let wall = Wall::new(throw, experiment);
+    let round = |measuring: &Measuring| {
+        let rays = match wall.lamp(throw) {
+            None => Rays::Far(RayGrid::new(experiment.surface, wall.light, &experiment.lamp, measuring.rays)),
+            Some(lamp) => {
+                Rays::Near(NearGrid::new(experiment.surface, wall.middle, lamp, throw.lamp_radius, measuring.rays))
+            }
+        };
+        let parts = sent(experiment, measuring, &wall, &rays, progress);
+        Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
+    };
+    let unlit = || if progress.is_cancelled() { ThrowError::Cancelled } else { ThrowError::Unlit };
+    let measurement = until_error(measuring, round).ok_or_else(unlit)?;
+    Ok(Thrown { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
+}
+
+fn sent<S: Surface>(
+    experiment: &Experiment<'_, S>,
+    measuring: &Measuring,
+    wall: &Wall,
+    rays: &Rays<'_>,
+    progress: &Progress,
+) -> Vec<Tally> {
+    let surface = experiment.surface;
+    let (low, high) = surface.optical_area();
+    let incident = |hit: &Hit<S::Place>| {
+        let at = hit.point.truncate();
+        surface.kind(hit.place) != Kind::Outer && (at.cmpge(low) & at.cmple(high)).all()
+    };
+    let n = measuring.resolution;
+    (0..PARTS)
+        .into_par_iter()
+        .map(|part| {
+            let mut follower = Follower::new(surface, &experiment.material, measuring.max_bounces);
+            let mut tally = Tally::empty((n, n));
+            for row in (part..rays.rows()).step_by(PARTS) {
+                if progress.is_cancelled() {
+                    break;
+                }
+                let stream = measuring.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
+                let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
+                for column in 0..rays.columns() {
+                    let (origin, direction, weight) = rays.ray(column, row, &mut random);
+                    let Some(hit) = surface.first(origin, direction).filter(incident) else { continue };
+                    let weight = weight * rays.share();
+                    tally.incident += weight;
+                    tally.rays += 1;
+                    if surface.kind(hit.place) == Kind::Wall {
+                        tally.first_hit_wall += weight;
+                    }
+                    let mut end = follower.follow(hit, direction, &mut random);
+                    let mut pixel = None;
+                    if matches!(end.fate, Fate::Up | Fate::Down) {
+                        let at = wall.meets(end.point, end.direction);
+                        end.fate = if at.is_some() { Fate::Up } else { Fate::Down };
+                        pixel = at.and_then(|at| View::pixel_at(at / wall.half_width, n, n)).map(|(x, y)| y * n + x);
+                    }
+                    tally.count(&end, weight, pixel);
+                }
+                if part == 0 {
+                    progress.fraction(row as f64 / rays.rows() as f64);
+                }
+            }
+            tally
+        })
+        .collect()
+}
+
+/// Why no light is thrown on a wall.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ThrowError {
+    /// A length out of range.
+    #[error("the {what} must be {low} to {high} mm, not {value}", low = Throw::LENGTH.start(), high = Throw::LENGTH.end())]
+    Length {
+        /// Which.
+        what: &'static str,
+        /// What it is, mm.
+        value: f64,
+    },
+    /// A wall seen from the side.
+    #[error("the wall's tilt must be within ±{most} degrees, not {0}", most = Throw::MOST_TILT)]
+    Tilt(f64),
+    /// No pixels, too many, or no rays.
+    #[error("the wall's picture must be 1 to {most} pixels wide, with at least one ray", most = Throw::MOST_PIXELS)]
+    Measuring,
+    /// The lamp is too near for its size and angle.
+    #[error(
+        "a lamp of that size {distance} mm away would dip below the top of the plate: move it away or make it smaller"
+    )]
+    LampInPlate {
+        /// From the plate's middle, mm.
+        distance: f64,
+    },
+    /// The wall is too near for the plate's size and its tilt.
+    #[error("a wall {distance} mm away, tilted by {tilt} degrees, would cut the plate: move it away or turn it back")]
+    WallInPlate {
+        /// From the plate's middle, mm.
+        distance: f64,
+        /// Degrees.
+        tilt: f64,
+    },
+    /// Nothing was met.
+    #[error("no light of the lamp meets the plate")]
+    Unlit,
+    /// The caller asked to stop.
+    #[error("stopped as asked")]
+    Cancelled,
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! What a person sees of a plate, pixel by pixel beside Mitsuba 3's own path tracer: no code in common.
+//!
+//! FACETMILL_PYTHON names a Python with mitsuba, numpy and trimesh. Where they are missing the test is skipped, visibly;
+//! with FACETMILL_REQUIRE_CHECKERS=1 that is a failure. FACETMILL_LOOKS names a folder in which the pictures are left.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::process::Command;
+
+use facetmill::brdf::metals::Metal;
+use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::export::stl::write_stl;
+use facetmill::picture::read;
+use facetmill::progress::Progress;
+use facetmill::projection::{Projection, carried_axes};
+use facetmill::raster::Raster;
+use facetmill::recipe::Recipe;
+use facetmill::recipe::run::design;
+use facetmill::relief::faceted::{Facet, FacetedRelief};
+use facetmill::setup::Setup;
+use facetmill::slope::{Slope, direction};
+use facetmill::trace::Surface;
+use facetmill::trace::grid::GridSurface;
+use facetmill::verify::lamp::Lamp;
+use facetmill::verify::look::{Look, Shape, Sight, look};
+use facetmill::verify::measure::Experiment;
+use glam::{DVec2, DVec3};
+use serde_json::{Value, json};
+
+/// Tells on the terminal itself, past the test harness, that nobody was asked.
+#[allow(clippy::explicit_write, reason = "the harness hides what a passing test says with eprintln")]
+fn say(what: &str) {
+    writeln!(std::io::stderr(), "{what}").unwrap();
+}
+
+fn rendered(scene: &Value, folder: &Path) -> Result<[Raster; 2], String> {
+    let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
+    let (input, output) = (folder.join("scene.json"), folder.join("seen.json"));
+    std::fs::write(&input, scene.to_string()).unwrap();
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/look_in_mitsuba.py");
+    let run = Command::new(&python).arg(script).arg(&input).arg(&output).output();
+    let run = run.map_err(|why| format!("{python}: {why}"))?;
+    let said = String::from_utf8_lossy(&run.stdout);
+    if run.status.code() == Some(3) {
+        return Err(said.trim().into());
+    }
+    assert!(run.status.success(), "{said}{}", String::from_utf8_lossy(&run.stderr));
+    let seen: Value = serde_json::from_reader(File::open(output).unwrap()).unwrap();
+    let [width, height] = [0, 1].map(|k| scene["size"][k].as_u64().unwrap() as usize);
+    Ok(["mean", "variance"].map(|key| {
+        let values = seen[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+        Raster { width, height, values }
+    }))
+}
+
+/// Both pictures of one experiment, and whether they agree; `object` is what the scene says of shape and roughness.
+fn seen_alike<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, metal: &str, object: Value, target: DVec3) {
+    let toward = direction(settings.theta.to_radians(), settings.phi.to_radians());
+    let (eta, k) = Metal::named(metal).unwrap().at(550.0);
+    let mut scene = json!({
+        "eta": eta, "k": k,
+        "eye": (target + settings.distance * toward).to_array(), "target": target.to_array(),
+        "up": carried_axes(toward).1.to_array(), "light_goes": (-experiment.setup.light()).to_array(),
+        "field_of_view": settings.field_of_view, "size": settings.size,
+        "bounces": settings.max_bounces, "passes": 16, "paths": 64,
+    });
+    scene.as_object_mut().unwrap().extend(object.as_object().unwrap().clone());
+    let folder = tempfile::tempdir().unwrap();
+    let [theirs, variance] = match rendered(&scene, folder.path()) {
+        Ok(seen) => seen,
+        Err(why) => {
+            let required = std::env::var("FACETMILL_REQUIRE_CHECKERS").is_ok_and(|value| value == "1");
+            assert!(!required, "Mitsuba is required but missing: {why}");
+            return say(&format!("SKIPPED: no opinion of Mitsuba ({why})"));
+        }
+    };
+    let ours = look(experiment, settings, &Progress::silent()).unwrap();
+    if let Ok(folder) = std::env::var("FACETMILL_LOOKS") {
+        for (name, raster) in [("ours", &ours.radiance), ("mitsuba", &theirs)] {
+            let png = encode_png(&tone_mapped(raster, common_white(&ours.radiance))).unwrap();
+            std::fs::write(Path::new(&folder).join(format!("{metal}_{name}.png")), png).unwrap();
+        }
+    }
+    judge(metal, &ours, &theirs, &variance);
+}
+
+fn judge(name: &str, ours: &Sight, theirs: &Raster, variance: &Raster) {
+    let pixels = ours.radiance.values.len();
+    let total = theirs.sum();
+    let apart: f64 = ours.radiance.values.iter().zip(&theirs.values).map(|(a, b)| (a - b).abs()).sum();
+    // Of errors that are themselves estimated: 5.5 is the Šidák bound that all 14400 normal deviates together pass with a
+    // chance of more than 99.9 %, widened for Mitsuba's sixteen passes.
+    let z: Vec<f64> = (0..pixels)
+        .map(|k| {
+            let error = (ours.errors.values[k].powi(2) + variance.values[k]).sqrt();
+            (ours.radiance.values[k] - theirs.values[k]).abs() / error.max(1e-4 * total / pixels as f64)
+        })
+        .collect();
+    let within = |most: f64| z.iter().filter(|z| **z <= most).count() as f64 / pixels as f64;
+    let squares = z.iter().map(|z| z * z).sum::<f64>() / pixels as f64;
+    let sums = ours.radiance.sum() / total - 1.0;
+    say(&format!(
+        "{name}, ours against Mitsuba: mean |difference| {:.5} of the mean, sums differ by {sums:.6}, mean z² {squares:.3}, \
+         within 3 standard errors {:.5}, largest z {:.2}",
+        apart / total,
+        within(3.0),
+        z.iter().copied().fold(0.0, f64::max)
+    ));
+    let mean = total / pixels as f64;
+    let [dark, bright] = [0.6, 1.4].map(|share| theirs.values.iter().filter(|v| **v < share * mean).count());
+    assert!(dark * 20 > pixels && (pixels - bright) * 20 > pixels, "a picture worth comparing: {dark} {bright}");
+    assert!(sums.abs() < 2e-3, "{sums}");
+    assert!(within(3.0) > 0.995, "{}", within(3.0));
+    assert!(within(5.5) > 0.9975 && apart < 0.006 * total, "{} {apart} {total}", within(5.5));
+}
+
+#[test]
+fn a_rough_plate_looks_as_in_mitsuba() {
+    let recipe = Recipe::from_toml("design = { arrange = 'random' }\nlight = { theta = 30, phi = 70 }").unwrap();
+    let path = format!("{}/examples/highlights/letter.png", env!("CARGO_MANIFEST_DIR"));
+    let light = read(path.as_ref(), &recipe.reading()).unwrap().light;
+    let plate = design(&recipe, &light, &Progress::silent()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let stl = folder.path().join("plate.stl");
+    write_stl(&plate.mesh, &mut BufWriter::new(File::create(&stl).unwrap())).unwrap();
+
+    let (surface, setup) = (GridSurface::new(&plate.relief), recipe.setup());
+    let material = "aluminium:ggx:0.2".parse().unwrap();
+    let experiment = Experiment { surface: &surface, setup: &setup, material, lamp: Lamp::Point };
+    // Near enough for perspective to show, and only the plate's upper side in the picture: its sides count as black here.
+    let settings = Look {
+        theta: 25.0,
+        phi: 230.0,
+        distance: 80.0,
+        field_of_view: 14.0,
+        size: [120, 120],
+        rays: 1024,
+        ..Look::default()
+    };
+    let (low, high) = plate.relief.bounds();
+    seen_alike(&experiment, &settings, "aluminium", json!({"stl": stl, "alpha": [0.2, 0.2]}), 0.5 * (low + high));
+}
+
+#[test]
+fn a_brushed_ball_looks_as_in_mitsuba() {
+    let flat = FacetedRelief::uniform(1, 1, DVec2::ONE, vec![Facet { height: 0.0, slope: Slope::FLAT }]);
+    let setup = Setup::new(0.6, 1.2, 0.0, Projection::Equidistant, 0.3);
+    let panel = GridSurface::panel(&flat);
+    let material = "brass:ggx:0.15,0.4".parse().unwrap();
+    let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
+    let settings = Look {
+        theta: 40.0,
+        phi: 300.0,
+        distance: 200.0,
+        field_of_view: 18.0,
+        size: [90, 70],
+        shape: Shape::Sphere { radius: 30.0 },
+        rays: 1024,
+        ..Look::default()
+    };
+    seen_alike(&experiment, &settings, "brass", json!({"ball": 30.0, "alpha": [0.15, 0.4]}), DVec3::ZERO);
+}
