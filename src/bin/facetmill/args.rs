@@ -53,7 +53,9 @@ Examples:
 Examples:
   facetmill measure ring -o seen --material aluminium:ggx:0.05       the highlight that worn aluminium shows
   facetmill measure ring -o brdf --brdf --material brass:ggx:0.1     .bsdf for Mitsuba, CSV, polar slices, maps
-  facetmill measure ring/plate.stl -o normals --ndf                  slopes, and how much is hidden from where")]
+  facetmill measure ring/plate.stl -o normals --ndf                  slopes, and how much is hidden from where
+  facetmill measure ring -o wall --wall 1000 --lamp-distance 1500 --lamp-radius 5
+  facetmill measure ring -o ball --look --wrap sphere:40 --material aluminium:ggx:0.05 --light 30,90")]
     #[command(allow_negative_numbers = true)]
     Measure(Box<MeasureArgs>),
 }

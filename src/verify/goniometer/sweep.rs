@@ -42,7 +42,7 @@ pub struct Ledger {
 /// Outgoing directions by the half vector that they have with one incident direction.
 struct HalfVectors<'a> {
     axes: &'a BrdfAxes,
-    slice: usize,
+    light: DVec3,
 }
 
 impl Screen for HalfVectors<'_> {
@@ -51,7 +51,7 @@ impl Screen for HalfVectors<'_> {
     }
 
     fn pixel(&self, direction: DVec3) -> Option<usize> {
-        self.axes.cell(self.slice, direction)
+        self.axes.cell_under(self.light, direction)
     }
 }
 
@@ -74,7 +74,7 @@ pub fn sweep<S: Surface>(
         let setup = Setup::new(theta, phi, 0.0, Projection::Equidistant, 1.0);
         let experiment = Experiment { material: material.clone(), ..Experiment::new(surface, &setup) };
         let seed = measuring.seed.wrapping_add((slice as u64) << 20);
-        let screen = HalfVectors { axes: &axes, slice };
+        let screen = HalfVectors { axes: &axes, light: setup.light() };
         let measured = collect(&experiment, &screen, &Measuring { seed, ..*measuring }, &progress.hushed())?;
         let whole = &measured.whole;
         let up = whole.up();

@@ -133,10 +133,16 @@ impl BrdfAxes {
 
     /// The cell that light of a slice falls into when it leaves toward `wo`; `None` if that is not above the plate.
     pub fn cell(&self, slice: usize, wo: DVec3) -> Option<usize> {
-        if wo.z <= 0.0 || wo.z.is_nan() {
+        self.cell_under(self.incident(slice), wo)
+    }
+
+    /// As [`cell`](Self::cell), for light toward `wi`.
+    pub fn cell_under(&self, wi: DVec3, wo: DVec3) -> Option<usize> {
+        // A viewer that is no direction is not above the plate either.
+        if wo.z.is_nan() || wo.z <= 0.0 {
             return None;
         }
-        let (u, v) = self.coordinates(self.incident(slice), wo);
+        let (u, v) = self.coordinates(wi, wo);
         let column = ((u * self.columns as f64) as usize).min(self.columns - 1);
         let row = ((v * self.rows as f64) as usize).min(self.rows - 1);
         Some(column + self.columns * row)

@@ -1,9 +1,11 @@
 //! The flags of `facetmill measure`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
 use facetmill::brdf::material::Material;
+use facetmill::verify::look::Shape;
 
 use crate::args::RunningArgs;
 use crate::values::*;
@@ -77,6 +79,38 @@ pub struct MeasureArgs {
     #[arg(long, value_name = "NxM", help_heading = "BRDF", value_parser = counts, requires = "brdf")]
     pub half_vectors: Option<[usize; 2]>,
 
+    /// From the plate's middle to the lamp, mm  [default: endlessly far]
+    #[arg(long, value_name = "MM", help_heading = "Wall", value_parser = number, requires = "wall", conflicts_with = "lamp")]
+    pub lamp_distance: Option<f64>,
+    /// Radius of a lamp at --lamp-distance, mm  [default: 0]
+    #[arg(long, value_name = "MM", help_heading = "Wall", value_parser = number, requires = "lamp_distance")]
+    pub lamp_radius: Option<f64>,
+    /// Turn of the wall about its horizontal axis, its upper edge away from the plate, degrees  [default: 0]
+    #[arg(long, value_name = "DEG", help_heading = "Wall", value_parser = number, requires = "wall")]
+    pub wall_tilt: Option<f64>,
+    /// Width of the wall's picture, mm  [default: as wide as the highlight]
+    #[arg(long, value_name = "MM", help_heading = "Wall", value_parser = number, requires = "wall")]
+    pub wall_width: Option<f64>,
+    /// Thrown on a wall, a picture meant to be seen from above the plate is mirrored; on-wall shows it as it is seen there
+    #[arg(long, value_enum, value_name = "SIDE", help_heading = "Wall", requires = "wall")]
+    pub seen: Option<SeenArg>,
+
+    /// Where the camera stands: degrees from the plate's normal, azimuth from +x  [default: 0,0]
+    #[arg(long, value_name = "THETA,PHI", help_heading = "Look", value_parser = angles, allow_hyphen_values = true, requires = "look")]
+    pub camera: Option<[f64; 2]>,
+    /// From the camera to the plate's middle, or to the centre of what it is wrapped on, mm  [default: 500]
+    #[arg(long, value_name = "MM", help_heading = "Look", value_parser = number, requires = "look")]
+    pub distance: Option<f64>,
+    /// Angle across the picture, degrees  [default: all of the plate]
+    #[arg(long, value_name = "DEG", help_heading = "Look", value_parser = number, requires = "look")]
+    pub field: Option<f64>,
+    /// Wrap the relief, repeated without end, on a ball or a cylinder: `sphere:40`, `cylinder:25`, radius in mm
+    #[arg(long, value_name = "SHAPE:MM", help_heading = "Look", requires = "look")]
+    pub wrap: Option<Wrap>,
+    /// Radiance of the surroundings, 1/sr, for a lamp of irradiance 1  [default: 0]
+    #[arg(long, value_name = "L", help_heading = "Look", value_parser = number, requires = "look")]
+    pub ambient: Option<f64>,
+
     #[command(flatten)]
     pub running: RunningArgs,
     /// Go on until the rays' own noise in the image is this small (total variation), at most 4000 times --rays
@@ -88,6 +122,30 @@ pub struct MeasureArgs {
     /// Seed of the rays  [default: 1]
     #[arg(long, value_name = "N", help_heading = "Running", value_parser = whole)]
     pub seed: Option<u64>,
+}
+
+/// What a relief is wrapped on.
+#[derive(Clone, Copy, Debug)]
+pub struct Wrap(Shape);
+
+impl From<Wrap> for Shape {
+    fn from(wrap: Wrap) -> Self {
+        wrap.0
+    }
+}
+
+impl FromStr for Wrap {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (shape, radius) = text.split_once(':').ok_or("write a shape and its radius in mm, such as sphere:40")?;
+        let radius = number(radius)?;
+        match shape {
+            "sphere" => Ok(Self(Shape::Sphere { radius })),
+            "cylinder" => Ok(Self(Shape::Cylinder { radius })),
+            _ => Err("write sphere or cylinder and a radius in mm, such as sphere:40".into()),
+        }
+    }
 }
 
 /// What the plate is made of; what would do is in the library's own sentence.

@@ -5,7 +5,7 @@ use facetmill::export::picture::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
 use facetmill::trace::plate::Task;
-use facetmill::verify::measure::{Experiment, HighlightImage, collect};
+use facetmill::verify::measure::{HighlightImage, collect};
 use facetmill::verify::tally::{Measurement, Tally};
 use serde_json::{Map, Value, json};
 
@@ -22,11 +22,9 @@ struct Lit<'a> {
 impl Task for Lit<'_> {
     type Output = Option<Measurement>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        let Bench { setup, material, lamp, measuring, .. } = self.bench;
-        let experiment =
-            Experiment { material: material.clone(), lamp: lamp.clone(), ..Experiment::new(surface, setup) };
+        let Bench { setup, measuring, .. } = self.bench;
         let screen = HighlightImage { setup, resolution: measuring.resolution };
-        collect(&experiment, &screen, measuring, self.progress)
+        collect(&self.bench.experiment(surface), &screen, measuring, self.progress)
     }
 }
 

@@ -3,16 +3,19 @@
 pub mod args;
 mod brdf;
 mod highlight;
+mod look;
 mod ndf;
+mod wall;
 
 use facetmill::brdf::material::Material;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
+use facetmill::trace::Surface;
 use facetmill::trace::plate::Plate;
 use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::Measuring;
+use facetmill::verify::measure::{Experiment, Measuring};
 use serde_json::{Value, json};
 
 use crate::console::{Failure, NEVER, Stages, print_json, print_table};
@@ -53,6 +56,19 @@ struct Bench {
     material: Material,
     lamp: Lamp,
     measuring: Measuring,
+}
+
+impl Bench {
+    /// The plate's surface as it is to be lit.
+    fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
+        let (material, lamp) = (self.material.clone(), self.lamp.clone());
+        Experiment { surface, setup: &self.setup, material, lamp }
+    }
+}
+
+/// A library's refusal of what flags asked for.
+fn failure(error: &impl std::error::Error) -> Failure {
+    Failure::Impossible(error.to_string())
 }
 
 /// What a measurement has to say, its files being written already.
@@ -96,6 +112,10 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         brdf::measure(args, &bench, &mut staged, &progress)?
     } else if args.ndf {
         ndf::measure(&bench, &mut staged, &progress)?
+    } else if args.wall.is_some() {
+        wall::measure(args, &bench, &mut staged, &progress)?
+    } else if args.look {
+        look::measure(args, &bench, &mut staged, &progress)?
     } else {
         highlight::measure(&bench, &mut staged, &progress)?
     };
@@ -135,6 +155,7 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
     recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
     recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
+    recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
     recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
     args.running.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
@@ -173,8 +194,8 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(Plate, bool), Failure>
             args.plate.display()
         ))),
         (Some(ExtentArg::Endless), Some(plate)) => Ok((plate, true)),
-        // What is to stand for a material has no edges, where that can be had.
-        (None, Some(plate)) if args.brdf => Ok((plate, true)),
+        // What is to stand for a material has no edges, where that can be had; what is wrapped on a shape must not.
+        (None, Some(plate)) if args.brdf || args.wrap.is_some() => Ok((plate, true)),
         _ => Ok((opened.plate.clone(), false)),
     }
 }

@@ -1,0 +1,105 @@
+//! The plate, or a shape that wears its relief, as a person sees it.
+
+use facetmill::export::float_tiff::write_float_tiff;
+use facetmill::export::sights::{Exposure, look_page};
+use facetmill::progress::Progress;
+use facetmill::trace::Surface;
+use facetmill::trace::plate::Task;
+use facetmill::verify::look::{Look, LookError, Shape, Sight, look};
+use serde_json::json;
+
+use super::args::MeasureArgs;
+use super::{Bench, Outcome, failure};
+use crate::console::{Failure, row};
+use crate::files::Staged;
+use crate::outputs::write_png;
+
+/// Paths a pixel, unless --rays says how many in all.
+const PATHS: u64 = 256;
+
+struct Looker<'a> {
+    bench: &'a Bench,
+    settings: Look,
+    progress: &'a Progress<'a>,
+}
+
+impl Task for Looker<'_> {
+    type Output = Result<Sight, LookError>;
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        look(&self.bench.experiment(surface), &self.settings, self.progress)
+    }
+}
+
+pub fn measure(
+    args: &MeasureArgs,
+    bench: &Bench,
+    staged: &mut Staged,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let usual = Look::default();
+    let side = bench.measuring.resolution;
+    let shape = args.wrap.map_or(Shape::Flat, Into::into);
+    let distance = args.distance.unwrap_or(usual.distance);
+    let [theta, phi] = args.camera.unwrap_or([usual.theta, usual.phi]);
+    // All of it, and a rim.
+    let fitting = match shape {
+        Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
+        Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
+    };
+    let paths = args.running.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    let settings = Look {
+        theta,
+        phi,
+        distance,
+        field_of_view: args.field.unwrap_or((2.0 * fitting.to_degrees()).clamp(1e-6, 160.0)),
+        size: [side, side],
+        shape,
+        ambient: args.ambient.unwrap_or(usual.ambient),
+        rays: u32::try_from(paths).unwrap_or(u32::MAX),
+        max_bounces: bench.measuring.max_bounces,
+        seed: bench.measuring.seed,
+    };
+    progress.stage("looking at the plate");
+    let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| failure(&error))?;
+    progress.stage("writing files");
+    let exposure =
+        Exposure { heading: format!("{} of {}", args.plate.display(), bench.material), ..Exposure::default() };
+    write_png(staged, "look.png", &look_page(&sight, &settings, &exposure))?;
+    staged.write("look.tiff", |out| write_float_tiff(&sight.radiance, out))?;
+    staged.write("look_error.tiff", |out| write_float_tiff(&sight.errors, out))?;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (radiance, error) = (mean(&sight.radiance.values), mean(&sight.errors.values));
+    let facts = json!({
+        "kind": "look",
+        "camera_deg": [theta, phi],
+        "distance_mm": distance,
+        "field_of_view_deg": settings.field_of_view,
+        "shape": match shape {
+            Shape::Flat => json!("flat"),
+            Shape::Sphere { radius } => json!({ "sphere_radius_mm": radius }),
+            Shape::Cylinder { radius } => json!({ "cylinder_radius_mm": radius }),
+        },
+        "ambient": settings.ambient,
+        "paths_a_pixel": settings.rays,
+        "pixels": "look.tiff holds radiance in 1/sr for a lamp whose irradiance across its beam is 1",
+        "mean_radiance": radiance,
+        "mean_error": error,
+        "greatest_radiance": sight.radiance.max(),
+        "mean_trapped": mean(&sight.trapped.values),
+    });
+    let rows = vec![
+        row(
+            "camera",
+            format!("{distance} mm"),
+            format!("away, at {theta}°, {phi}°; {:.2}° across", settings.field_of_view),
+        ),
+        row("paths", settings.rays.to_string(), "or a little more for each pixel"),
+        row(
+            "brightest",
+            format!("{:.4} /sr", sight.radiance.max()),
+            "pixel; a white matt plate straight below the lamp has 0.318",
+        ),
+        row("noise", format!("{:.2} %", 100.0 * error / radiance.max(f64::MIN_POSITIVE)), "of a pixel, on average"),
+    ];
+    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "look.png" })
+}

@@ -1,0 +1,96 @@
+//! The reflection on a wall, in millimetres.
+
+use facetmill::export::float_tiff::write_float_tiff;
+use facetmill::export::sights::{Exposure, wall_page};
+use facetmill::progress::Progress;
+use facetmill::recipe::Seen;
+use facetmill::trace::Surface;
+use facetmill::trace::plate::Task;
+use facetmill::verify::wall::{Throw, ThrowError, Thrown, throw};
+use serde_json::json;
+
+use super::args::MeasureArgs;
+use super::{Bench, Outcome, failure};
+use crate::console::{Failure, rays, row};
+use crate::files::Staged;
+use crate::outputs::write_png;
+
+struct Thrower<'a> {
+    bench: &'a Bench,
+    settings: Throw,
+    progress: &'a Progress<'a>,
+}
+
+impl Task for Thrower<'_> {
+    type Output = Result<Thrown, ThrowError>;
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        throw(&self.bench.experiment(surface), &self.settings, &self.bench.measuring, self.progress)
+    }
+}
+
+pub fn measure(
+    args: &MeasureArgs,
+    bench: &Bench,
+    staged: &mut Staged,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
+    let usual = Throw::default();
+    let wall_distance = args.wall.unwrap_or(usual.wall_distance);
+    let lamp_distance = args.lamp_distance.unwrap_or(usual.lamp_distance);
+    // The whole highlight, what the plate's own size adds, and a rim.
+    let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
+    let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
+    let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
+    let settings = Throw {
+        lamp_distance,
+        lamp_radius: args.lamp_radius.unwrap_or(usual.lamp_radius),
+        wall_distance,
+        wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt),
+        half_width,
+    };
+    progress.stage("throwing light on the wall");
+    let thrown = bench.plate.run(Thrower { bench, settings, progress }).map_err(|error| failure(&error))?;
+    progress.stage("writing files");
+    let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
+    let exposure = Exposure { mirrored, heading: format!("Thrown by {}", args.plate.display()), ..Exposure::default() };
+    write_png(staged, "wall.png", &wall_page(&thrown, &settings, &exposure))?;
+    staged.write("wall.tiff", |out| write_float_tiff(&thrown.irradiance(), out))?;
+    staged.write("wall_error.tiff", |out| write_float_tiff(&thrown.errors(), out))?;
+    let [landed, beside, nowhere] = thrown.shares();
+    let blur = thrown.blur;
+    let facts = json!({
+        "kind": "wall",
+        "wall_distance_mm": wall_distance,
+        "wall_tilt_deg": settings.wall_tilt,
+        "lamp_distance_mm": lamp_distance.is_finite().then_some(lamp_distance),
+        "lamp_radius_mm": settings.lamp_radius,
+        "width_mm": 2.0 * half_width,
+        "resolution": bench.measuring.resolution,
+        "pixels": "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",
+        "mirrored": mirrored,
+        "in_picture": landed.0,
+        "in_picture_error": landed.1,
+        "beside_picture": beside.0,
+        "on_no_wall": nowhere.0,
+        "blur_by_plate_mm": [blur.plate.x, blur.plate.y],
+        "blur_by_lamp_mm": [blur.lamp.x, blur.lamp.y],
+        "blur_by_plate_deg": [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
+        "blur_by_lamp_deg": blur.lamp_angle.to_degrees(),
+        "image_noise_tv": thrown.measurement.image_noise(),
+        "rays": thrown.measurement.whole.rays,
+    });
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let rows = vec![
+        row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
+        row("rays", rays(thrown.measurement.whole.rays), "traced"),
+        row("lands", percent(landed.0), "of the light, in the picture"),
+        row("beside it", percent(beside.0), "of the light lands on the wall beyond the picture"),
+        row("plate's blur", format!("{:.1} mm", blur.plate.max_element()), "as wide as a flat mirror's spot is"),
+        row(
+            "lamp's blur",
+            format!("{:.1} mm", blur.lamp.max_element()),
+            "as wide as the lamp's image through a pinhole",
+        ),
+    ];
+    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "wall.png" })
+}
