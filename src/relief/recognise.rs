@@ -184,9 +184,9 @@ mod tests {
 
     fn triangles_of_squares(x: &[f64], y: &[f64], z: impl Fn(usize, usize) -> f64, turned: bool) -> Mesh {
         let mut mesh = Mesh::default();
-        for j in 0..y.len() {
-            for i in 0..x.len() {
-                mesh.vertices.push([x[i] as f32, y[j] as f32, z(i, j) as f32]);
+        for (j, &north) in y.iter().enumerate() {
+            for (i, &east) in x.iter().enumerate() {
+                mesh.vertices.push([east as f32, north as f32, z(i, j) as f32]);
             }
         }
         let at = |i: usize, j: usize| (j * x.len() + i) as u32;
