@@ -29,6 +29,9 @@ const RAYS: u64 = 10_000_000;
 const MESH_RAYS: u64 = 1_000_000;
 const CORRECTING_RAYS: u64 = 2_000_000;
 
+/// A lamp of next to no size.
+const NEARLY_POINT: Lamp = Lamp::Disc { radius: 1e-8 };
+
 /// Light from THETA, PHI and the image around its mirror direction; degrees.
 #[derive(Clone)]
 struct Scene {
@@ -58,19 +61,24 @@ impl Scene {
         measurement
     }
 
-    /// Plain rays: the lamp is a thousandth of a thousandth of a degree wide.
+    /// Plain rays, which a lamp of any size takes.
     fn plain<S: Surface>(&self, surface: &S) -> Measurement {
-        self.lit(surface, Lamp::Disc { radius: 1e-8 }, RAYS)
+        self.lit(surface, NEARLY_POINT, RAYS)
     }
 
     /// The three ways to trace a relief, by name.
     fn all_ways(&self, relief: &FacetedRelief) -> [(&'static str, Measurement); 3] {
+        self.all_ways_with(relief, 1)
+    }
+
+    /// The same with so many times fewer rays.
+    fn all_ways_with(&self, relief: &FacetedRelief, fewer: u64) -> [(&'static str, Measurement); 3] {
         let grid = GridSurface::new(relief);
         let mesh = MeshSurface::new(&solid(relief, 1.0).unwrap(), 0.0).unwrap();
         [
-            ("exact", self.lit(&grid, Lamp::Point, CORRECTING_RAYS)),
-            ("plain", self.plain(&grid)),
-            ("mesh", self.lit(&mesh, Lamp::Point, MESH_RAYS)),
+            ("exact", self.lit(&grid, Lamp::Point, CORRECTING_RAYS / fewer)),
+            ("plain", self.lit(&grid, NEARLY_POINT, RAYS / fewer)),
+            ("mesh", self.lit(&mesh, Lamp::Point, MESH_RAYS / fewer)),
         ]
     }
 }
@@ -121,7 +129,7 @@ fn a_flat_mirror_makes_one_spot_at_the_mirror_direction() {
     let flat = columns(&[(10.0, 0.0, 0.0)], 7.0);
     for (theta, phi) in [(0.0, 0.0), (30.0, 110.0), (75.0, -40.0)] {
         let scene = Scene { theta, phi, ..Scene::overhead(20.0, 101) };
-        for (way, m) in scene.all_ways(&flat) {
+        for (way, m) in scene.all_ways_with(&flat, 100) {
             // The lamp of next to no size is far smaller than the pixel around the middle: nothing is random.
             agrees(&format!("{way}: spot at {theta}"), &m, |t| in_pixel(t, DVec2::ZERO), 1.0, 1e-12);
         }
@@ -138,7 +146,7 @@ fn a_plane_tilted_by_t_throws_light_2t_aside() {
             Facet { height: slope.dot(middle), slope: Slope::from_vec(slope) }
         };
         let plane = FacetedRelief::uniform(4, 3, DVec2::new(4.0, 3.0), (0..12).map(facet).collect());
-        for (way, m) in Scene::overhead(40.0, 401).all_ways(&plane) {
+        for (way, m) in Scene::overhead(40.0, 401).all_ways_with(&plane, 100) {
             // Equidistant: the angle from straight up, 2 t, is 40° at the rim of the image.
             let uv = 2.0 * tilt / 40.0 * DVec2::from_angle(a);
             agrees(&format!("{way}: spot of a plane tilted by {tilt}"), &m, |t| in_pixel(t, uv), 1.0, 1e-12);
@@ -271,7 +279,7 @@ fn aluminium_grooves_lose_at_each_bounce_what_fresnel_takes() {
         // Light meets the first side at β, and the second at 180° - 3β.
         let [first, second] = [beta, 180.0 - 3.0 * beta].map(|angle: f64| fresnel(angle.to_radians().cos(), index));
         let share = twice_reflected(beta);
-        for (way, m) in scene.all_ways(&grooves(beta)) {
+        for (way, m) in scene.all_ways_with(&grooves(beta), 5) {
             let twice = |t: &Tally| t.up_multi / t.incident;
             agrees(&format!("{way}: aluminium twice at {beta}"), &m, twice, share * first * second, 5e-4);
             let once = |t: &Tally| t.up_single / t.incident;

@@ -169,7 +169,8 @@ fn two_sided(z: f64) -> f64 {
 }
 
 fn figures_agree(name: &str, ours: &Measurement, theirs: &Theirs) -> f64 {
-    let figures: [(&str, fn(&Tally) -> f64, &str); 5] = [
+    type Figure = (&'static str, fn(&Tally) -> f64, &'static str);
+    let figures: [Figure; 5] = [
         ("up", Tally::up, "up"),
         ("blocked", Tally::blocked, "blocked_total"),
         ("multi-bounce", |t| t.up_multi / t.incident, "up_multi"),
