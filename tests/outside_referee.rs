@@ -4,8 +4,10 @@
 //! the Python that its setup.sh prints. Where it is missing the tests are skipped, visibly; with
 //! FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+mod referee;
+
+use std::ffi::OsStr;
+use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
@@ -13,26 +15,11 @@ use serde_json::{Value, json};
 /// Rays on either side.
 const RAYS: u64 = 2_000_000;
 
-/// Tells on the terminal itself, past the test harness, that the referee was not asked.
-#[allow(clippy::explicit_write, reason = "the harness hides what a passing test says with eprintln")]
-fn skip(why: &str) {
-    let required = std::env::var("FACETMILL_REQUIRE_CHECKERS").is_ok_and(|value| value == "1");
-    assert!(!required, "the referee is required but missing: {why}");
-    writeln!(std::io::stderr(), "SKIPPED: no opinion of the referee ({why})").unwrap();
-}
-
 /// The referee's figures of one STL against a picture, or why it has none.
-fn figures(referee: &Path, plate: &Path, picture: &str, settings: &Value) -> Result<Value, String> {
-    let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/referee_figures.py");
-    let mut command = Command::new(&python);
-    command.arg(script).arg(referee).arg(plate).arg(picture).arg(settings.to_string());
-    let run = command.output().map_err(|why| format!("{python}: {why}"))?;
-    let said = String::from_utf8_lossy(&run.stdout);
-    if run.status.code() == Some(3) {
-        return Err(said.trim().into());
-    }
-    assert!(run.status.success(), "{said}{}", String::from_utf8_lossy(&run.stderr));
+fn figures(folder: &Path, plate: &Path, picture: &str, settings: &Value) -> Result<Value, String> {
+    let arguments =
+        [folder.as_os_str(), plate.as_os_str(), picture.as_ref(), settings.to_string().as_ref()].map(OsStr::to_owned);
+    let said = referee::ask("referee_figures.py", &arguments)?;
     Ok(serde_json::from_str(said.lines().last().unwrap_or_default()).unwrap())
 }
 
@@ -40,11 +27,7 @@ fn figures(referee: &Path, plate: &Path, picture: &str, settings: &Value) -> Res
 /// The referee's figures come back, if there are any.
 fn agreed(picture: &str, flags: &[&str], settings: Value) -> Option<Value> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let referee = std::env::var("FACETMILL_REFEREE").map_or_else(|_| root.join("../shared/referee"), PathBuf::from);
-    if !referee.join("referee.py").exists() {
-        skip(&format!("nothing at {}", referee.display()));
-        return None;
-    }
+    let folder_of_referee = referee::folder()?;
     let picture = format!("{}/examples/highlights/{picture}.png", root.display());
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new(env!("CARGO_BIN_EXE_facetmill"))
@@ -55,10 +38,10 @@ fn agreed(picture: &str, flags: &[&str], settings: Value) -> Option<Value> {
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let report: Value = serde_json::from_slice(&run.stdout).unwrap();
-    let theirs = match figures(&referee, &folder.path().join("plate.stl"), &picture, &settings) {
+    let theirs = match figures(&folder_of_referee, &folder.path().join("plate.stl"), &picture, &settings) {
         Ok(theirs) => theirs,
         Err(why) => {
-            skip(&why);
+            referee::skip(&why);
             return None;
         }
     };

@@ -166,8 +166,11 @@ impl<F: Field> GridSurface<F> {
             return None;
         }
         let point = origin + entry * direction;
+        if !point.is_finite() {
+            return None;
+        }
         if self.periodic {
-            return point.is_finite().then_some((point, None));
+            return Some((point, None));
         }
         let slack = 1e-9 * (high - low).max_element();
         let at = point.truncate();
@@ -197,7 +200,9 @@ impl<F: Field> GridSurface<F> {
             let to_y = if d.y == 0.0 { f64::INFINITY } else { (edge_y - from.y) * inverse.y };
             let left = to_x.min(to_y).max(entered);
             if let Some((t, piece)) = self.field.meet(i, j, Stretch { from, direction: d, entered, left }) {
-                return Some(hit(from + t * d, i, j, Face::Piece(piece)));
+                let point = from + t * d;
+                // Only a direction of infinite length goes nowhere in no time.
+                return point.is_finite().then(|| hit(point, i, j, Face::Piece(piece)));
             }
             let mut point = from + left * d;
             if !point.is_finite() || (d.z >= 0.0 && point.z >= self.heights.1) {

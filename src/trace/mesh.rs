@@ -14,8 +14,8 @@
 //!
 //! *Fronts first.* The triangle just left is never met again. A front must lie ahead of the start. A back
 //! (direction · normal >= 0: the mesh is open or turned inside out) is reported too, so that the caller can count
-//! it, but only beyond `BACK` diagonals and only if no front lies within `BACK` of it: coplanar neighbours of a
-//! grazing ray and silhouette edges are no leaks.
+//! it, but only beyond `BACK` diagonals and only if no front lies within `BACK` of it, and only off its edges by
+//! `INSET`: coplanar neighbours of a grazing ray are no leaks, nor is a silhouette edge that a ray along a wall touches.
 
 use glam::{DVec2, DVec3, UVec2, Vec3A};
 use obvhs::{
@@ -143,6 +143,9 @@ impl MeshSurface {
                 if left != Some(k)
                     && let Some((distance, weights, front)) = line.meet(&self.triangles[k as usize])
                 {
+                    if !front && self.is_on_rim(k, weights) {
+                        return reach;
+                    }
                     let handicap = if front { 0.0 } else { back };
                     let key = distance + handicap;
                     // Equals go to the lower rank, so that the order of the search is of no account.
@@ -177,17 +180,29 @@ impl MeshSurface {
         });
     }
 
-    fn hit(&self, k: u32, weights: DVec3) -> Hit<u32> {
+    /// The weights of corners of points that stand `INSET` off the opposite edge, less in slivers.
+    fn rim(&self, k: u32) -> DVec3 {
         let [a, b, c] = self.triangles[k as usize].map(double);
         let twice_area = (b - a).cross(c - a).length();
+        // A weight is the distance from the opposite edge over the height above it, twice the area by the edge.
+        let edges = DVec3::new((c - b).length(), (a - c).length(), (b - a).length());
+        (INSET * self.diagonal / twice_area * edges).min(DVec3::splat(0.1))
+    }
+
+    fn is_on_rim(&self, k: u32, weights: DVec3) -> bool {
+        weights.cmplt(self.rim(k)).any()
+    }
+
+    fn hit(&self, k: u32, weights: DVec3) -> Hit<u32> {
+        let [a, b, c] = self.triangles[k as usize].map(double);
         let mut weights = weights;
         if weights.min_element() < 0.1 {
-            // A weight is the distance from the opposite edge over the height above it, twice the area by the edge.
-            let edges = DVec3::new((c - b).length(), (a - c).length(), (b - a).length());
-            weights = weights.max((INSET * self.diagonal / twice_area * edges).min(DVec3::splat(0.1)));
+            weights = weights.max(self.rim(k));
             weights /= weights.element_sum();
         }
-        Hit { point: weights.x * a + weights.y * b + weights.z * c, place: k }
+        // From one corner, so that what all three share is kept exactly: off its plane by rounding, light that grazes a
+        // wall at its foot would slip under the floor.
+        Hit { point: a + weights.y * (b - a) + weights.z * (c - a), place: k }
     }
 
     /// Where a ray from outside comes to the box, or its start if that is inside.

@@ -40,8 +40,9 @@ impl<'a> RayGrid<'a> {
             (low.min(low + shift), high.max(high + shift))
         };
         let size = high - low;
-        // Square strata, but on the narrowest of plates at least one row a part.
-        let rows = ((rays as f64 * size.y / size.x).sqrt().round() as usize).max(PARTS);
+        // Square strata, as many rows in each part: parts that differ in rays would pass for scatter where light from
+        // other sources is added to theirs.
+        let rows = ((rays as f64 * size.y / size.x).sqrt().round() as usize).max(1).next_multiple_of(PARTS);
         let columns = ((rays as f64 / rows as f64).round() as usize).max(1);
         Self { low, size, z: top + lift, columns, rows, light, lamp }
     }
