@@ -35,6 +35,11 @@ impl Cones {
         Self { bounds }
     }
 
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.bounds.as_slice())
+    }
+
     /// Which bound holds for rays along `direction`, if any does.
     #[inline]
     pub fn level(direction: DVec3) -> Option<usize> {

@@ -49,6 +49,9 @@ pub trait Field: Sync {
 
     /// The highest point over the cell.
     fn top(&self, i: usize, j: usize) -> f64;
+
+    /// Memory, bytes.
+    fn bytes(&self) -> usize;
 }
 
 /// One plane a cell: z = z0 + p x + q y.
@@ -142,6 +145,10 @@ impl Field for Planes {
     fn top(&self, i: usize, j: usize) -> f64 {
         f64::from(self.tops[j * self.columns + i])
     }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.planes.as_slice()) + size_of_val(self.tops.as_slice())
+    }
 }
 
 /// Heights at the nodes of a grid; each square is two triangles, cut from its lower right to its upper left corner.
@@ -224,5 +231,9 @@ impl Field for Nodes {
     fn top(&self, i: usize, j: usize) -> f64 {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
         corners.into_iter().map(|(a, b)| self.node(i + a, j + b)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.heights.as_slice()) + self.x.bytes() + self.y.bytes()
     }
 }

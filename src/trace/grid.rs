@@ -34,14 +34,41 @@ pub struct Cell {
     face: Face,
 }
 
-/// The faces over and around a cell.
+/// One of the faces over and around a cell, in a byte, so that places are compared at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Face {
+struct Face(u8);
+
+impl Face {
+    const WALLS: u8 = 2;
+    const OUTER: u8 = 6;
+
     /// A piece of the cell's surface.
-    Piece(u8),
-    /// A wall that rises from the cell's edge to the neighbour, or the plate's outer side; its normal.
-    Wall(Side),
-    Outer(Side),
+    fn piece(piece: u8) -> Self {
+        Self(piece)
+    }
+
+    /// A wall that rises from the cell's edge to the neighbour; its normal.
+    fn wall(side: Side) -> Self {
+        Self(Self::WALLS + side as u8)
+    }
+
+    /// The plate's outer side; its normal.
+    fn outer(side: Side) -> Self {
+        Self(Self::OUTER + side as u8)
+    }
+
+    fn kind(self) -> Kind {
+        match self.0 {
+            0..Self::WALLS => Kind::Relief,
+            Self::WALLS..Self::OUTER => Kind::Wall,
+            _ => Kind::Outer,
+        }
+    }
+
+    /// The normal of what is no piece of the cell's surface.
+    fn upright(self) -> DVec3 {
+        [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y][usize::from(self.0 - Self::WALLS) % 4]
+    }
 }
 
 /// Directions along the axes.
@@ -51,17 +78,6 @@ enum Side {
     West,
     North,
     South,
-}
-
-impl Side {
-    fn normal(self) -> DVec3 {
-        match self {
-            Self::East => DVec3::X,
-            Self::West => -DVec3::X,
-            Self::North => DVec3::Y,
-            Self::South => -DVec3::Y,
-        }
-    }
 }
 
 impl GridSurface<Planes> {
@@ -103,6 +119,11 @@ impl<F: Field> GridSurface<F> {
         Self { optical, ..self }
     }
 
+    /// Memory that the surface takes, bytes.
+    pub fn bytes(&self) -> usize {
+        self.x.bytes() + self.y.bytes() + self.field.bytes() + self.cones.bytes()
+    }
+
     fn columns(&self) -> usize {
         self.x.intervals()
     }
@@ -142,7 +163,7 @@ impl<F: Field> GridSurface<F> {
         }
         let (i, j) = (self.x.interval(at.x), self.y.interval(at.y));
         let (z, piece) = self.field.surface(i, j, at.x, at.y);
-        Some(hit(at.extend(z), i, j, Face::Piece(piece)))
+        Some(hit(at.extend(z), i, j, Face::piece(piece)))
     }
 
     /// Where a ray comes to the box that holds the relief, and through which side of it, if not from above.
@@ -202,10 +223,10 @@ impl<F: Field> GridSurface<F> {
             if let Some((t, piece)) = self.field.meet(i, j, Stretch { from, direction: d, entered, left }) {
                 let point = from + t * d;
                 // Only a direction of infinite length goes nowhere in no time.
-                return point.is_finite().then(|| hit(point, i, j, Face::Piece(piece)));
+                return point.is_finite().then(|| hit(point, i, j, Face::piece(piece)));
             }
             let mut point = from + left * d;
-            if !point.is_finite() || (d.z >= 0.0 && point.z >= self.heights.1) {
+            if left == f64::INFINITY || (d.z >= 0.0 && point.z >= self.heights.1) {
                 return None;
             }
             // Through the nearer grid line; at a corner through x first, then through y at the same point.
@@ -227,12 +248,12 @@ impl<F: Field> GridSurface<F> {
                 let before = point;
                 (next_i, next_j) = (wrapped(&mut point.x, next_i, &self.x), wrapped(&mut point.y, next_j, &self.y));
                 if before.z < self.field.height(next_i, next_j, point.x, point.y) - SEAM {
-                    return Some(hit(before, i, j, Face::Wall(wall)));
+                    return Some(hit(before, i, j, Face::wall(wall)));
                 }
                 (i, j, from, entered) = (next_i, next_j, point, 0.0);
             } else {
                 if point.z < self.field.height(next_i, next_j, point.x, point.y) - SEAM {
-                    return Some(hit(point, i, j, Face::Wall(wall)));
+                    return Some(hit(point, i, j, Face::wall(wall)));
                 }
                 (i, j, entered) = (next_i, next_j, left);
             }
@@ -283,7 +304,7 @@ impl<F: Field> Surface for GridSurface<F> {
         let (i, j) = (self.x.interval(point.x), self.y.interval(point.y));
         match side {
             Some(side) if point.z < self.field.height(i, j, point.x, point.y) - SEAM => {
-                Some(hit(point, i, j, Face::Outer(side)))
+                Some(hit(point, i, j, Face::outer(side)))
             }
             _ => self.walk(i, j, point, direction),
         }
@@ -296,22 +317,16 @@ impl<F: Field> Surface for GridSurface<F> {
 
     #[inline]
     fn normal(&self, place: Cell) -> DVec3 {
-        match place.face {
-            Face::Piece(piece) => {
-                let (p, q) = self.field.gradient(place.i as usize, place.j as usize, piece);
-                DVec3::new(-p, -q, 1.0).normalize()
-            }
-            Face::Wall(side) | Face::Outer(side) => side.normal(),
+        if place.face.kind() != Kind::Relief {
+            return place.face.upright();
         }
+        let (p, q) = self.field.gradient(place.i as usize, place.j as usize, place.face.0);
+        DVec3::new(-p, -q, 1.0).normalize()
     }
 
     #[inline]
     fn kind(&self, place: Cell) -> Kind {
-        match place.face {
-            Face::Piece(_) => Kind::Relief,
-            Face::Wall(_) => Kind::Wall,
-            Face::Outer(_) => Kind::Outer,
-        }
+        place.face.kind()
     }
 
     fn optical_area(&self) -> (DVec2, DVec2) {
@@ -332,7 +347,7 @@ impl<F: Field> Surface for GridSurface<F> {
         let (i, j, piece) = self.split(k);
         let (low, high) = self.lit(i, j);
         let footprint = (high - low).max(DVec2::ZERO).element_product() / F::PIECES as f64;
-        Some((Cell { i: i as u32, j: j as u32, face: Face::Piece(piece) }, footprint))
+        Some((Cell { i: i as u32, j: j as u32, face: Face::piece(piece) }, footprint))
     }
 
     fn point_on(&self, k: usize, u: [f64; 2]) -> DVec3 {

@@ -38,6 +38,11 @@ impl Lines {
         (self.at[0], self.at[self.at.len() - 1])
     }
 
+    /// Memory, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.at.as_slice())
+    }
+
     /// The shortest interval.
     pub fn shortest(&self) -> f64 {
         self.at.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min)

@@ -51,12 +51,12 @@ pub struct Follower<'a, S: Surface> {
     last: Option<Reflection<S::Place>>,
 }
 
-/// What a smooth piece does to light from one direction.
-#[derive(Clone, Copy)]
+/// What a piece does to light from one direction.
 struct Reflection<Place> {
     place: Place,
     along: DVec3,
-    kind: Kind,
+    /// The end of the path, if the light goes no further than this.
+    end: Option<Fate>,
     normal: DVec3,
     out: DVec3,
     share: f64,
@@ -71,24 +71,22 @@ impl<'a, S: Surface> Follower<'a, S> {
     /// Follows light that has met the surface at `hit`, coming along `direction`.
     #[inline]
     pub fn follow(&mut self, mut hit: Hit<S::Place>, mut direction: DVec3, random: &mut Xoshiro256PlusPlus) -> End {
-        let smooth = self.material.is_smooth();
+        let (material, most) = (self.material, self.max_bounces);
+        let smooth = material.is_smooth();
         let mut weight = 1.0;
         let mut bounces = 0;
         let fate = loop {
             let reflection = self.reflection(hit.place, direction);
-            if direction.dot(reflection.normal) >= 0.0 {
-                break Fate::Backface;
+            if let Some(end) = reflection.end {
+                break end;
             }
-            if reflection.kind == Kind::Outer {
-                break Fate::Outer;
-            }
-            if bounces == self.max_bounces {
+            if bounces == most {
                 break Fate::Trapped;
             }
             let (out, share) = if smooth {
                 (reflection.out, reflection.share)
             } else {
-                scatter(self.material, reflection.normal, direction, random)
+                scatter(material, reflection.normal, direction, random)
             };
             weight *= share;
             if weight <= 0.0 {
@@ -106,17 +104,22 @@ impl<'a, S: Surface> Follower<'a, S> {
     }
 
     #[inline]
-    fn reflection(&mut self, place: S::Place, along: DVec3) -> Reflection<S::Place> {
-        match self.last {
-            Some(last) if last.place == place && last.along == along => last,
-            _ => {
-                let normal = self.surface.normal(place);
-                let kind = self.surface.kind(place);
-                let out = mirror(-along, normal);
-                let share = self.material.smooth_share(DVec3::new(0.0, 0.0, -along.dot(normal)));
-                *self.last.insert(Reflection { place, along, kind, normal, out, share })
-            }
+    fn reflection(&mut self, place: S::Place, along: DVec3) -> &Reflection<S::Place> {
+        if !self.last.as_ref().is_some_and(|last| last.place == place && last.along == along) {
+            self.last = None;
         }
+        let (surface, material) = (self.surface, self.material);
+        self.last.get_or_insert_with(|| {
+            let normal = surface.normal(place);
+            let cosine = -along.dot(normal);
+            let end = if cosine > 0.0 {
+                (surface.kind(place) == Kind::Outer).then_some(Fate::Outer)
+            } else {
+                Some(Fate::Backface)
+            };
+            let share = material.smooth_share(DVec3::new(0.0, 0.0, cosine));
+            Reflection { place, along, end, normal, out: mirror(-along, normal), share }
+        })
     }
 }
 
