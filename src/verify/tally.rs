@@ -185,11 +185,17 @@ impl Measurement {
     /// Standard error of each pixel of [`Tally::share_image`], by the spread of the parts.
     pub fn pixel_errors(&self) -> Raster {
         let n = self.parts() as f64;
-        let shares: Vec<Raster> = self.parts.iter().map(Tally::share_image).collect();
+        let ups: Vec<f64> =
+            self.parts.iter().map(|part| (part.up_single + part.up_multi).max(f64::MIN_POSITIVE)).collect();
         let mut errors = Raster::zeros(self.whole.image.width, self.whole.image.height);
         for (pixel, error) in errors.values.iter_mut().enumerate() {
-            let mean = shares.iter().map(|share| share.values[pixel]).sum::<f64>() / n;
-            let squares: f64 = shares.iter().map(|share| (share.values[pixel] - mean).powi(2)).sum();
+            // Most pixels of most highlights are dark.
+            if self.whole.image.values[pixel] == 0.0 {
+                continue;
+            }
+            let shares = || self.parts.iter().zip(&ups).map(|(part, up)| part.image.values[pixel] / up);
+            let mean = shares().sum::<f64>() / n;
+            let squares: f64 = shares().map(|share| (share - mean).powi(2)).sum();
             *error = (squares / (n * (n - 1.0))).sqrt();
         }
         errors
