@@ -51,15 +51,17 @@
 //!    [`descent`] are the two numerical tools that several stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
 //!    the image plane. [`setup`] ties light, image and plate together: which slope lights which point of the image.
+//!    [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
 //! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`distribution`] gives every pixel its share of the plate's area.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
-//! 7. **Proof.** [`trace`] follows rays over the relief or over any mesh, [`verify`] collects them as an image and
-//!    scores it, each figure with its standard error. [`verify::wall`] is the reflection on a wall nearby and
-//!    [`verify::look`] what a camera sees of the plate.
+//! 7. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::plate`] takes the tracer that serves it
+//!    best), [`verify`] collects them as an image and scores it, each figure with its standard error.
+//!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
+//!    reflection on a wall nearby, [`verify::look`] what a camera sees of the plate.
 //! 8. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
 //! 9. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
 //!
