@@ -3,7 +3,7 @@
 //! The accounting is that of the independent referee. Rays come in on a jittered grid above the plate; a ray is
 //! incident if the first thing that it meets is relief or an inner wall inside the optical area. Every share is a
 //! share of incident flux. Where a smooth facet under a point of light sends its beam is known without rays: then rays
-//! only find what shadows and further bounces change ([`exact`](super::exact)).
+//! only find what shadows and further bounces change.
 
 use glam::DVec3;
 use rand::SeedableRng;
