@@ -1,7 +1,7 @@
 //! One path of light over a surface of some material, from its first hit to its end.
 
 use glam::{DMat3, DVec3};
-use rand::Rng;
+use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Hit, Kind, Surface};
@@ -133,8 +133,7 @@ pub(crate) fn frame(normal: DVec3) -> DMat3 {
 /// Direction and weight of light that comes along `direction` onto a rough piece; weight 0 if none is left.
 fn scatter(material: &Material, normal: DVec3, direction: DVec3, random: &mut Xoshiro256PlusPlus) -> (DVec3, f64) {
     let frame = frame(normal);
-    let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-    let u = [unit(), unit(), unit()];
+    let u = [random.random(), random.random(), random.random()];
     match material.scatter(frame.transpose() * -direction, u) {
         Some((out, share)) => ((frame * out).normalize(), share),
         None => (direction, 0.0),

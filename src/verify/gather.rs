@@ -1,10 +1,10 @@
 //! Light that comes back along a ray of sight: a path from the eye, lamp and surroundings looked for at every bounce.
 
 use glam::{DMat3, DVec3};
+use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::lamp::Lamp;
-use super::launch::unit;
 use crate::brdf::material::Material;
 use crate::slope::flat_mirror;
 use crate::trace::path::frame;
@@ -74,7 +74,7 @@ impl<S: Surface> Gatherer<'_, S> {
                     sum.radiance += throughput * returned * weight;
                 }
             }
-            let u = [unit(random), unit(random), unit(random)];
+            let u = [random.random::<f64>(), random.random::<f64>(), random.random::<f64>()];
             let Some((wo, weight)) = material.scatter(wi, u) else { break };
             throughput *= weight;
             direction = (axes * wo).normalize();

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::projection::{Projection, View, carried_axes};
@@ -103,22 +103,21 @@ impl Lamp {
 
     /// A direction to the lamp around its `middle` (unit vectors), with a density in proportion to radiance.
     pub fn sample(&self, middle: DVec3, random: &mut Xoshiro256PlusPlus) -> DVec3 {
-        let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         match self {
             Self::Point => middle,
             Self::Disc { radius } => {
                 // Uniform over the cap of the disc's solid angle.
-                let cosine = 1.0 - unit() * (1.0 - radius.cos());
-                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * unit());
+                let cosine = 1.0 - random.random::<f64>() * (1.0 - radius.cos());
+                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * random.random::<f64>());
                 let (e1, e2) = carried_axes(middle);
                 cosine * middle + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
             }
             Self::Picture(lamp) => {
                 let whole = lamp.cumulative[lamp.cumulative.len() - 1];
-                let at = unit() * whole;
+                let at = random.random::<f64>() * whole;
                 let pixel = lamp.cumulative.partition_point(|&sum| sum <= at).min(lamp.cumulative.len() - 1);
                 let (column, row) = (pixel % lamp.width, pixel / lamp.width);
-                let jitter = DVec2::new(unit() - 0.5, 0.5 - unit()) * 2.0;
+                let jitter = DVec2::new(random.random::<f64>() - 0.5, 0.5 - random.random::<f64>()) * 2.0;
                 let size = DVec2::new(lamp.width as f64, lamp.height as f64);
                 let uv = View::pixel_centre(column, row, lamp.width, lamp.height) + jitter / size;
                 let view = View::new(Projection::Equidistant, lamp.half_field, middle);

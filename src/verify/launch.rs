@@ -1,7 +1,7 @@
 //! Rays of a distant lamp, from a jittered grid above the plate.
 
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::lamp::Lamp;
@@ -55,7 +55,7 @@ impl<'a> RayGrid<'a> {
     /// A ray from its own jittered place: origin, direction, and weight beside that of a ray from the lamp's middle.
     #[inline]
     pub fn ray(&self, column: usize, row: usize, random: &mut Xoshiro256PlusPlus) -> (DVec3, DVec3, f64) {
-        let (x, y) = (unit(random), unit(random));
+        let (x, y) = (random.random::<f64>(), random.random::<f64>());
         let at = DVec2::new((column as f64 + x) / self.columns as f64, (row as f64 + y) / self.rows as f64);
         let origin = (self.low + self.size * at).extend(self.z);
         if self.lamp.is_point() {
@@ -65,10 +65,4 @@ impl<'a> RayGrid<'a> {
         let weight = l.z.max(0.0) / self.light.z;
         (origin, -l.with_z(l.z.max(1e-6)).normalize(), weight)
     }
-}
-
-/// A uniform number in [0, 1).
-#[inline]
-pub(super) fn unit(random: &mut Xoshiro256PlusPlus) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }

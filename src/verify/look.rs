@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DMat3, DVec2, DVec3};
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -16,7 +16,6 @@ pub use super::camera::Shape;
 
 use super::camera::Camera;
 use super::gather::{Gathered, Gatherer};
-use super::launch::unit;
 use super::measure::Experiment;
 use crate::progress::Progress;
 use crate::projection::View;
@@ -206,7 +205,10 @@ impl<S: Surface> Eye<'_, S> {
         let n = f64::from(strata * strata);
         let (mut mean, mut squares, mut trapped) = (0.0, 0.0, 0.0);
         for k in 0..strata * strata {
-            let place = DVec2::new(f64::from(k % strata) + unit(random), f64::from(k / strata) + unit(random));
+            let place = DVec2::new(
+                f64::from(k % strata) + random.random::<f64>(),
+                f64::from(k / strata) + random.random::<f64>(),
+            );
             let direction = self.camera.direction(middle + half * (2.0 * place / f64::from(strata) - 1.0));
             let path = self.path(direction, random);
             // Welford's running mean and squares.
@@ -235,7 +237,7 @@ impl<S: Surface> Eye<'_, S> {
         // Anywhere in the period: the relief is too fine for the eye to see where.
         let (low, high) = surface.optical_area();
         let (_, top) = surface.height_range();
-        let start = low + (high - low) * DVec2::new(unit(random), unit(random));
+        let start = low + (high - low) * DVec2::new(random.random::<f64>(), random.random::<f64>());
         let above = top + 1e-6 * (high - low).length();
         match surface.first(start.extend(above), along) {
             Some(hit) => self.gatherer.gather(hit, along, &frame, random),

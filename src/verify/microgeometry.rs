@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::exact::{Beams, scattered};
 use crate::progress::Progress;
-use crate::slope::direction;
+use crate::slope::{direction, flat_mirror};
 use crate::trace::{Hit, Surface};
 
 /// The distribution of a relief's normals on a grid of directions.
@@ -72,8 +72,11 @@ pub struct Masking {
     pub seen: f64,
     /// Standard error of that share.
     pub error: f64,
-    /// What it would be on an endless relief, in closed form.
+    /// What it would be on an endless relief without walls, in closed form.
     pub endless: f64,
+    /// Share of what faces both the direction and its mirror direction, (θ, φ + 180°), that is seen from both: the
+    /// masking and shadowing of light that comes from the one and leaves toward the other.
+    pub both: f64,
 }
 
 /// Directions whose masking is told: polar angles in steps of 5° up to 85°, four azimuths.
@@ -90,7 +93,8 @@ fn seen<S: Surface>(surface: &S, theta: f64, phi: f64, rays: u64, seed: u64, pro
     let toward: DVec3 = direction(theta, phi);
     let beams = Beams::new(surface, toward);
     let step = beams.whole() / rays.max(1) as f64;
-    let (mut samples, mut clear) = (0u64, 0u64);
+    let back = flat_mirror(toward);
+    let (mut samples, mut clear, mut facing, mut clear_both) = (0u64, 0u64, 0u64, 0u64);
     for k in 0..surface.facets() {
         if k % 65536 == 0 && progress.is_cancelled() {
             break;
@@ -99,12 +103,19 @@ fn seen<S: Surface>(surface: &S, theta: f64, phi: f64, rays: u64, seed: u64, pro
         for (shift, m) in beams.samples(k, step, seed) {
             samples += 1;
             let hit = Hit { point: surface.point_on(k, scattered(shift, m)), place };
-            clear += u64::from(surface.next(&hit, toward).is_none());
+            let seen = surface.next(&hit, toward).is_none();
+            clear += u64::from(seen);
+            if back.dot(surface.normal(place)) > 0.0 {
+                facing += 1;
+                clear_both += u64::from(seen && surface.next(&hit, back).is_none());
+            }
         }
     }
     let seen = clear as f64 / samples.max(1) as f64;
     let plate: f64 = (0..surface.facets()).filter_map(|k| surface.facet(k)).map(|(_, footprint)| footprint).sum();
+    let both = clear_both as f64 / facing.max(1) as f64;
     Masking {
+        both,
         theta,
         phi,
         seen,
@@ -166,7 +177,11 @@ mod tests {
         let facets = (0..64).map(|_| Facet { height: random.random::<f64>(), slope: Slope::FLAT }).collect();
         let surface = GridSurface::new(&FacetedRelief::uniform(8, 8, DVec2::splat(8.0), facets));
         let rows = masking(&surface, 10_000, 1, &Progress::silent());
-        assert_eq!(rows[0].seen, 1.0);
+        assert_eq!((rows[0].seen, rows[0].both), (1.0, 1.0));
+        assert!(
+            rows.iter().all(|row| row.both <= row.seen + 4.0 * row.error),
+            "more is seen from two sides than from one"
+        );
         assert!((0.3..0.7).contains(&rows[17].seen), "{:?}", rows[17]);
         assert!(rows.windows(2).take(17).all(|w| w[1].seen <= w[0].seen + 0.01));
     }

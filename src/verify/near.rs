@@ -1,10 +1,11 @@
 //! Rays of a lamp at a finite distance: a ball of even radiance, as an opal bulb.
 
 use glam::{DVec2, DVec3};
+use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::lamp::Lamp;
-use super::launch::{RayGrid, unit};
+use super::launch::RayGrid;
 use super::tally::PARTS;
 use crate::trace::Surface;
 
@@ -95,7 +96,7 @@ impl NearGrid {
 
     #[inline]
     fn ray(&self, column: usize, row: usize, random: &mut Xoshiro256PlusPlus) -> Ray {
-        let (x, y) = (unit(random), unit(random));
+        let (x, y) = (random.random::<f64>(), random.random::<f64>());
         let at = DVec2::new((column as f64 + x) / self.columns as f64, (row as f64 + y) / self.rows as f64);
         let origin = (self.low + self.size * at).extend(self.z);
         let way = self.lamp - origin;

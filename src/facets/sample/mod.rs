@@ -12,7 +12,7 @@ pub mod cells;
 pub mod refine;
 
 use glam::DVec2;
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
 
@@ -40,7 +40,7 @@ pub fn sample(distribution: &Distribution, n: usize, sampling: Sampling, seed: u
         Sampling::Random => {
             let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
             let inverse = Inverse::new(footprint);
-            (0..n).map(|_| inverse.at([unit(&mut rng), unit(&mut rng)])).collect()
+            (0..n).map(|_| inverse.at([rng.random(), rng.random()])).collect()
         }
         Sampling::Sobol => {
             let inverse = Inverse::new(footprint);
@@ -70,10 +70,6 @@ fn nearest_lit(distribution: &Distribution, point: DVec2) -> DVec2 {
     lit.map(|(k, _)| crate::projection::View::pixel_centre(k % width, k / width, width, height))
         .min_by(|a, b| a.distance_squared(point).total_cmp(&b.distance_squared(point)))
         .unwrap_or(point)
-}
-
-fn unit(rng: &mut Xoshiro256PlusPlus) -> f64 {
-    (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Point `k` of an Owen-scrambled Sobol sequence. One sequence holds 2^16 points; each further 2^16 take fresh dimensions.

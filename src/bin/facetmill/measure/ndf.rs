@@ -63,11 +63,11 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
             out,
             "# share of the surface facing a direction that is seen from there, its standard error, and what it"
         )?;
-        writeln!(out, "# would be were the relief endless, without walls; degrees")?;
-        writeln!(out, "theta,phi,seen,error,endless")?;
+        writeln!(out, "# would be were the relief endless, without walls; both: seen from there and from its mirror direction; degrees")?;
+        writeln!(out, "theta,phi,seen,error,endless,both")?;
         for m in &rows_of_masking {
             let (theta, phi) = (m.theta.to_degrees(), m.phi.to_degrees());
-            writeln!(out, "{theta:.1},{phi:.1},{:.6},{:.6},{:.6}", m.seen, m.error, m.endless)?;
+            writeln!(out, "{theta:.1},{phi:.1},{:.6},{:.6},{:.6},{:.6}", m.seen, m.error, m.endless, m.both)?;
         }
         Ok(())
     })?;
