@@ -159,6 +159,8 @@ pub mod facets;
 
 pub mod relief;
 
+pub mod sculpt;
+
 pub mod trace;
 
 pub mod verify;

@@ -2,4 +2,6 @@
 
 pub mod faceted;
 
+pub mod periodic;
+
 pub mod mesh;
