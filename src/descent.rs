@@ -41,11 +41,7 @@ pub struct Descent {
 ///
 /// `objective` writes the gradient at its first argument into its second and returns the value there.
 /// A step that does not lower the value is never taken: the result is at least as good as the start.
-pub fn minimise<T: Number>(
-    x: &mut [T],
-    settings: &Descent,
-    mut objective: impl FnMut(&[T], &mut [T]) -> f64,
-) -> f64 {
+pub fn minimise<T: Number>(x: &mut [T], settings: &Descent, mut objective: impl FnMut(&[T], &mut [T]) -> f64) -> f64 {
     let n = x.len();
     let mut gradient = vec![T::default(); n];
     let mut value = objective(x, &mut gradient);

@@ -139,7 +139,9 @@ pub enum SheetError {
     #[error("a base {0} mm below the lowest point cannot be told from it in an STL file: raise --thickness")]
     Thickness(f64),
     /// The plate is too large for nodes so near to each other.
-    #[error("nodes {step:.5} mm apart are too close for an STL file's single precision: lower --grid or the plate's size")]
+    #[error(
+        "nodes {step:.5} mm apart are too close for an STL file's single precision: lower --grid or the plate's size"
+    )]
     Fine {
         /// Distance of nodes, mm.
         step: f64,

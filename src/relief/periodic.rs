@@ -50,9 +50,9 @@ impl PeriodicRelief {
     /// Lowest and highest point, mm.
     pub fn height_range(&self) -> (f64, f64) {
         let [nx, ny] = self.plate_nodes();
-        (0..nx * ny).map(|k| self.node(k % nx, k / nx).z).fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| {
-            (r.0.min(z), r.1.max(z))
-        })
+        (0..nx * ny)
+            .map(|k| self.node(k % nx, k / nx).z)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(z), r.1.max(z)))
     }
 
     /// A plane for each square, through the middles of its four sides: for pictures and height maps.
@@ -62,8 +62,7 @@ impl PeriodicRelief {
         let facets = (0..columns * rows)
             .map(|k| {
                 let (i, j) = (k % columns, k / columns);
-                let [z00, z10, z01, z11] =
-                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.node(i + a, j + b).z);
+                let [z00, z10, z01, z11] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.node(i + a, j + b).z);
                 let slope = DVec2::new(z10 - z00 + z11 - z01, z01 - z00 + z11 - z10) / (2.0 * step);
                 Facet { height: 0.25 * (z00 + z10 + z01 + z11), slope: Slope::from_vec(slope) }
             })
@@ -99,8 +98,7 @@ mod tests {
     #[test]
     fn cells_repeat() {
         let heights: Vec<f32> = (0..9).map(|k| (k * k % 7) as f32).collect();
-        let relief =
-            PeriodicRelief { nodes: 3, heights, cell: DVec2::ONE, cells: [2, 2], tilt: Slope::FLAT };
+        let relief = PeriodicRelief { nodes: 3, heights, cell: DVec2::ONE, cells: [2, 2], tilt: Slope::FLAT };
         for (i, j) in [(0, 0), (1, 2), (2, 1)] {
             assert_eq!(relief.node(i, j).z, relief.node(i + 3, j).z);
             assert_eq!(relief.node(i, j).z, relief.node(i + 3, j + 3).z);

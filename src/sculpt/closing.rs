@@ -55,8 +55,8 @@ impl Contacts {
 impl Closing {
     /// For grids of `n` × `n` nodes, `step` mm apart along x and y, and a ball of `radius` mm.
     pub fn new(n: usize, step: DVec2, radius: f64) -> Self {
-        let sag = DIRECTIONS
-            .map(|(x, y)| ((step * DVec2::new(x as f64, y as f64)).length_squared() / (2.0 * radius)) as f32);
+        let sag =
+            DIRECTIONS.map(|(x, y)| ((step * DVec2::new(x as f64, y as f64)).length_squared() / (2.0 * radius)) as f32);
         Self { n, sag }
     }
 

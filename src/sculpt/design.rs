@@ -69,6 +69,8 @@ pub struct Sculpture {
     pub start: Start,
     /// Light in the wrong place as the design sees it, at a blur of 0.5°, after each stage.
     pub misplaced: Vec<f64>,
+    /// Share of the plate that the cutter fills with fillets.
+    pub fillets: f64,
 }
 
 /// Nodes a side of a cell that suit a plate: fine enough for the picture and the cutter, and few enough for a file that
@@ -82,7 +84,8 @@ pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<f64>, most_t
         // A ball turns by the distance of two nodes over its radius from one triangle to the next.
         Some(radius) => (cell.max_element() / (0.08 * radius)).clamp(MIDDLE as f64, 1024.0),
     };
-    let sides = [64, 96, 128, 160, 192, 200, 240, 256, 288, 320, 360, 384, 400, 432, 480, 512, 576, 640, 768, 864, 1024];
+    let sides =
+        [64, 96, 128, 160, 192, 200, 240, 256, 288, 320, 360, 384, 400, 432, 480, 512, 576, 640, 768, 864, 1024];
     let fitting = sides.iter().copied().filter(|&n| n as f64 <= by_file.max(64.0));
     let enough = fitting.clone().find(|&n| n as f64 >= wanted);
     enough.or_else(|| fitting.max()).unwrap_or(64)
@@ -100,7 +103,20 @@ pub fn sculpt(distribution: &Distribution, sculpting: &Sculpting, progress: &Pro
 
     let coarse = lattice(n.min(COARSE));
     let mut best: Option<(f64, Start, Vec<f32>)> = None;
+    let only = std::env::var("START").ok().map(|s| match s.as_str() {
+        "cone" => Start::Cone,
+        "roof" => Start::Roof,
+        n => Start::Hills(n.parse().unwrap()),
+    });
     for (k, start) in STARTS.into_iter().enumerate() {
+        let start = if let Some(only) = only {
+            if k > 0 {
+                break;
+            }
+            only
+        } else {
+            start
+        };
         progress.fraction(0.2 * k as f64 / STARTS.len() as f64);
         let z = start.heights(coarse, work.plane.spread(), sculpting.seed);
         let z = work.descend(coarse, z, &TRIES, progress);
@@ -136,11 +152,12 @@ pub fn sculpt(distribution: &Distribution, sculpting: &Sculpting, progress: &Pro
     if let Some(closing) = work.closing(present) {
         closing.settle(&mut z, 30);
     }
+    let fillets = work.objective(present, DESCENT[2].gaze).fillets(&z);
     let mean = (z.iter().map(|v| f64::from(*v)).sum::<f64>() / z.len() as f64) as f32;
     z.iter_mut().for_each(|v| *v -= mean);
     let Sculpting { cell, cells, .. } = *sculpting;
     let relief = PeriodicRelief { nodes: n, heights: z, cell, cells, tilt: distribution.mean };
-    Some(Sculpture { relief, start, misplaced })
+    Some(Sculpture { relief, start, misplaced, fillets })
 }
 
 /// What all stages share.
@@ -151,7 +168,11 @@ struct Work<'a> {
 
 impl Work<'_> {
     fn ball(&self, lattice: Lattice) -> Option<Ball> {
-        self.sculpting.cutter.map(|cutter| Ball { cutter, closing: closing_radius(lattice, cutter), rounding: std::env::var("W0").map_or(0.0, |w| w.parse().unwrap()) })
+        self.sculpting.cutter.map(|cutter| Ball {
+            cutter,
+            closing: closing_radius(lattice, cutter),
+            rounding: std::env::var("W0").map_or(0.0, |w| w.parse().unwrap()),
+        })
     }
 
     fn closing(&self, lattice: Lattice) -> Option<Closing> {

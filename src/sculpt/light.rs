@@ -106,7 +106,8 @@ impl Light {
                     for edge in 0..3 {
                         let mass = self.mass * bites.mass(i, j, edge);
                         if mass > 0.0 {
-                            let (pieces, points) = bins.walk(self.across(z, i, j, edge), if edge == 2 { up } else { low });
+                            let (pieces, points) =
+                                bins.walk(self.across(z, i, j, edge), if edge == 2 { up } else { low });
                             points.for_each(|(_, at)| bins.lay(&mut light, at, mass / pieces as f32));
                         }
                     }
@@ -122,6 +123,15 @@ impl Light {
             }
         });
         light
+    }
+
+    /// Share of the light that comes from fillets in the valleys, rounded ridges not counted.
+    pub fn fillets(&self, z: &[f32]) -> f64 {
+        let Some(bites) = self.bites(z) else { return 0.0 };
+        let is_valley = |k: usize, edge: usize| self.growth(bites.of[k][edge], edge) > 0.0;
+        let mass = |k: usize, edge: usize| f64::from(self.mass * bites.mass(k % self.n, k / self.n, edge));
+        let each = |k: usize| (0..3).filter(|&e| is_valley(k, e)).map(|e| mass(k, e)).sum::<f64>();
+        (0..self.n * self.n).map(each).sum()
     }
 
     /// The gradient with respect to the heights `z` of Σ potential · light.
@@ -435,9 +445,8 @@ mod tests {
             let light = Light::new(lattice, bins(side), radius, 0.0);
             // Bilinear reading has kinks at the bins: steps must be small beside them, sums exact beside the steps.
             let phi = potential(side);
-            let value = |z: &[f32]| {
-                light.shine(z).iter().zip(&phi).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>()
-            };
+            let value =
+                |z: &[f32]| light.shine(z).iter().zip(&phi).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>();
             let z = uneven(12, 0.03);
             let pull = light.pull(&z, &phi);
             let (mut product, mut ours, mut measured) = (0.0, 0.0, 0.0);

@@ -119,8 +119,7 @@ fn blend(a: &[[f32; 2]], b: &[[f32; 2]], f: impl Fn(f32, f32) -> f32) -> Vec<[f3
 
 /// Lengths along a direction in ascending order, each with its index.
 fn sorted(slopes: &[[f32; 2]], c: f32, s: f32) -> Vec<(f32, u32)> {
-    let mut order: Vec<(f32, u32)> =
-        slopes.iter().enumerate().map(|(k, v)| (c * v[0] + s * v[1], k as u32)).collect();
+    let mut order: Vec<(f32, u32)> = slopes.iter().enumerate().map(|(k, v)| (c * v[0] + s * v[1], k as u32)).collect();
     order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     order
 }

@@ -115,6 +115,11 @@ impl Objective {
         (0.5 * products.sum::<f64>(), potential)
     }
 
+    /// Share of the light that comes from fillets in the valleys.
+    pub fn fillets(&self, z: &[f32]) -> f64 {
+        self.light.fillets(z)
+    }
+
     /// Half the sum of absolute differences of light, both seen through a blur of `blur` degrees.
     pub fn misplaced(&self, z: &[f32], blur: f64) -> f64 {
         let mut difference = self.light.shine(z);
