@@ -37,17 +37,20 @@ impl Bins {
     }
 
     /// The place of a slope relative to the mean.
+    #[inline]
     pub fn place(&self, p: f32, q: f32) -> Place {
         let [[xp, yp], [xq, yq]] = self.per_slope;
         Place { x: self.middle[0] + xp * p + xq * q, y: self.middle[1] + yp * p + yq * q }
     }
 
     /// A gradient over bins as one over slopes.
+    #[inline]
     pub fn to_slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [[xp, yp], [xq, yq]] = self.per_slope;
         [xp * x + yp * y, xq * x + yq * y]
     }
 
+    #[inline]
     fn corner(&self, at: Place) -> (usize, f32, f32) {
         // Written so that what is not a number lands at the rim.
         let (x, y) = (at.x.max(0.0).min(self.last), at.y.max(0.0).min(self.last));
@@ -56,6 +59,7 @@ impl Bins {
     }
 
     /// Lays `mass` into the four bins around a place.
+    #[inline]
     pub fn lay(&self, light: &mut [f32], at: Place, mass: f32) {
         let (k, a, b) = self.corner(at);
         let (upper, lower) = (mass * b, mass - mass * b);
@@ -67,6 +71,7 @@ impl Bins {
     }
 
     /// The potential at a place, and its gradient in bins.
+    #[inline]
     pub fn read(&self, potential: &[f32], at: Place) -> (f32, [f32; 2]) {
         let (k, a, b) = self.corner(at);
         let four = &potential[k..k + self.side + 2];
@@ -79,8 +84,8 @@ impl Bins {
     /// Midpoints of even pieces of the way from one place to another, each with its share of the way.
     pub fn walk(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
-        // About a bin a piece.
-        let pieces = ((dx.abs().max(dy.abs()) + 1.0).min(4.0 * self.side as f32) as usize).max(2);
+        // About two bins a piece: potentials are smooth over as many, and so is light that is seen through a blur.
+        let pieces = (0.5 * dx.abs().max(dy.abs()) + 1.0).min(2.0 * self.side as f32) as usize;
         let each = 1.0 / pieces as f32;
         let points = (0..pieces).map(move |k| {
             let t = (k as f32 + 0.5) * each;

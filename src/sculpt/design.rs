@@ -19,10 +19,12 @@ use super::target::SlopePlane;
 struct Stage {
     gaze: Gaze,
     steps: usize,
+    /// What light from fillets costs at the stage's start, as a share of all loss.
+    fillets: f64,
 }
 
-const fn stage(blur: f64, alpha: f64, steps: usize) -> Stage {
-    Stage { gaze: Gaze { blur, alpha }, steps }
+const fn stage(blur: f64, alpha: f64, steps: usize, fillets: f64) -> Stage {
+    Stage { gaze: Gaze { blur, alpha }, steps, fillets }
 }
 
 /// Nodes a side of the first tries, and of the matching.
@@ -31,17 +33,28 @@ const MIDDLE: usize = 256;
 
 /// What is tried first, and how long.
 const STARTS: [Start; 4] = [Start::Hills(4), Start::Hills(2), Start::Cone, Start::Roof];
-const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40), stage(1.5, 1.0, 40)];
+/// For a cutter, with as few valleys as can be.
+const STARTS_TO_CUT: [Start; 2] = [Start::Hills(1), Start::Cone];
+const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0)];
+
+/// Width over which edges are taken to be rounded, radii of the cutter: no edge survives sharper, and a relief that is
+/// judged on a grid has no sharper ones. Counted in stages whose blur is below the second number, degrees.
+const ROUNDING: f64 = 0.04;
+const ROUNDED_BELOW: f64 = 0.4;
 
 /// Blur at which tries are compared, degrees.
 const TRIED_AT: f64 = 0.5;
+
+/// With a cutter, tries go on with some rounds of matching and this descent.
+const TRIAL_ROUNDS: usize = 15;
+const TRIAL_DESCENT: [Stage; 1] = [stage(0.5, 0.75, 30, 1.0)];
 
 /// Rounds of matching.
 const ROUNDS: usize = 50;
 
 /// The descent after the matching, and on every finer grid.
-const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60), stage(0.35, 0.5, 100), stage(0.25, 0.25, 100)];
-const FINISH: [Stage; 2] = [stage(0.35, 0.5, 40), stage(0.25, 0.25, 60)];
+const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60, 1.0), stage(0.35, 0.5, 100, 0.5), stage(0.25, 0.25, 100, 0.2)];
+const FINISH: [Stage; 2] = [stage(0.35, 0.5, 40, 0.5), stage(0.25, 0.25, 60, 0.2)];
 
 /// What a continuous relief shall be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +95,7 @@ pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<f64>, most_t
     let wanted = match cutter {
         None => MIDDLE as f64,
         // A ball turns by the distance of two nodes over its radius from one triangle to the next.
-        Some(radius) => (cell.max_element() / (0.08 * radius)).clamp(MIDDLE as f64, 1024.0),
+        Some(radius) => (cell.max_element() / (0.05 * radius)).clamp(MIDDLE as f64, 1024.0),
     };
     let sides =
         [64, 96, 128, 160, 192, 200, 240, 256, 288, 320, 360, 384, 400, 432, 480, 512, 576, 640, 768, 864, 1024];
@@ -103,24 +116,17 @@ pub fn sculpt(distribution: &Distribution, sculpting: &Sculpting, progress: &Pro
 
     let coarse = lattice(n.min(COARSE));
     let mut best: Option<(f64, Start, Vec<f32>)> = None;
-    let only = std::env::var("START").ok().map(|s| match s.as_str() {
-        "cone" => Start::Cone,
-        "roof" => Start::Roof,
-        n => Start::Hills(n.parse().unwrap()),
-    });
-    for (k, start) in STARTS.into_iter().enumerate() {
-        let start = if let Some(only) = only {
-            if k > 0 {
-                break;
-            }
-            only
-        } else {
-            start
-        };
-        progress.fraction(0.2 * k as f64 / STARTS.len() as f64);
+    let starts: &[Start] = if sculpting.cutter.is_some() { &STARTS_TO_CUT } else { &STARTS };
+    for (k, &start) in starts.iter().enumerate() {
+        progress.fraction(0.2 * k as f64 / starts.len() as f64);
         let z = start.heights(coarse, work.plane.spread(), sculpting.seed);
-        let z = work.descend(coarse, z, &TRIES, progress);
-        let wrong = work.misplaced(coarse, &z);
+        let mut z = work.descend(coarse, z, &TRIES, progress);
+        if sculpting.cutter.is_some() {
+            // Only then can be told which will end with the fewest valleys.
+            work.matching(coarse, &mut z, TRIAL_ROUNDS, progress);
+            z = work.descend(coarse, z, &TRIAL_DESCENT, progress);
+        }
+        let wrong = work.misplaced(coarse, &z) + work.fillets(coarse, &z);
         if best.as_ref().is_none_or(|(least, ..)| wrong < *least) {
             best = Some((wrong, start, z));
         }
@@ -133,9 +139,7 @@ pub fn sculpt(distribution: &Distribution, sculpting: &Sculpting, progress: &Pro
 
     let middle = lattice(n.min(MIDDLE));
     z = resampled(&z, coarse.n, middle.n);
-    let matching = Matching::new(middle, &work.plane.samples(middle.n * middle.n));
-    let closing = work.closing(middle);
-    matching.run(&mut z, closing.as_ref(), ROUNDS, sculpting.seed, progress);
+    work.matching(middle, &mut z, ROUNDS, progress);
     misplaced.push(work.misplaced(middle, &z));
     progress.fraction(0.3);
     z = work.descend(middle, z, &DESCENT, progress);
@@ -152,7 +156,7 @@ pub fn sculpt(distribution: &Distribution, sculpting: &Sculpting, progress: &Pro
     if let Some(closing) = work.closing(present) {
         closing.settle(&mut z, 30);
     }
-    let fillets = work.objective(present, DESCENT[2].gaze).fillets(&z);
+    let fillets = work.fillets(present, &z);
     let mean = (z.iter().map(|v| f64::from(*v)).sum::<f64>() / z.len() as f64) as f32;
     z.iter_mut().for_each(|v| *v -= mean);
     let Sculpting { cell, cells, .. } = *sculpting;
@@ -167,21 +171,21 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn ball(&self, lattice: Lattice) -> Option<Ball> {
+    fn ball(&self, lattice: Lattice, fine: bool) -> Option<Ball> {
         self.sculpting.cutter.map(|cutter| Ball {
             cutter,
             closing: closing_radius(lattice, cutter),
-            rounding: std::env::var("W0").map_or(0.0, |w| w.parse().unwrap()),
+            rounding: if fine { ROUNDING * cutter } else { 0.0 },
         })
     }
 
     fn closing(&self, lattice: Lattice) -> Option<Closing> {
-        self.ball(lattice).map(|ball| Closing::new(lattice.n, lattice.step, ball.closing))
+        self.ball(lattice, false).map(|ball| Closing::new(lattice.n, lattice.step, ball.closing))
     }
 
     fn objective(&self, lattice: Lattice, gaze: Gaze) -> Objective {
         let target = self.plane.target((0.5 * gaze.blur).max(0.125));
-        Objective::new(lattice, target, gaze, self.ball(lattice), self.sculpting.min_feature)
+        Objective::new(lattice, target, gaze, self.ball(lattice, gaze.blur < ROUNDED_BELOW), self.sculpting.min_feature)
     }
 
     fn descend(&self, lattice: Lattice, mut z: Vec<f32>, stages: &[Stage], progress: &Progress) -> Vec<f32> {
@@ -189,7 +193,8 @@ impl Work<'_> {
             if progress.is_cancelled() {
                 break;
             }
-            let objective = self.objective(lattice, stage.gaze);
+            let mut objective = self.objective(lattice, stage.gaze);
+            objective.charge_fillets(&z, stage.fillets);
             let mut y = objective.numbers(&z);
             let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
             let first_move = 0.02 * f64::from(largest);
@@ -198,6 +203,18 @@ impl Work<'_> {
             z = objective.relief(&y);
         }
         z
+    }
+
+    fn matching(&self, lattice: Lattice, z: &mut Vec<f32>, rounds: usize, progress: &Progress) {
+        let matching = Matching::new(lattice, &self.plane.samples(lattice.n * lattice.n));
+        matching.run(z, self.closing(lattice).as_ref(), rounds, self.sculpting.seed, progress);
+    }
+
+    fn fillets(&self, lattice: Lattice, z: &[f32]) -> f64 {
+        if self.sculpting.cutter.is_none() {
+            return 0.0;
+        }
+        self.objective(lattice, TRIES[0].gaze).fillets(z)
     }
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {

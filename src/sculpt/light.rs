@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use super::bins::{Bins, Place};
 
 /// Pieces of the grid with light of their own, summed in order: the same for any number of threads.
-const BANDS: usize = 8;
+const BANDS: usize = 4;
 
 /// A square grid of heights over one cell, `n` × `n` nodes, `step` mm apart; opposite rims are joined.
 #[derive(Clone, Copy, Debug)]
@@ -125,21 +125,27 @@ impl Light {
         light
     }
 
-    /// Share of the light that comes from fillets in the valleys, rounded ridges not counted.
+    /// Share of the light that a ball touches with more than a point or spreads in fillets: R times all that the relief
+    /// turns upward, over its area. 0 without a cutter.
     pub fn fillets(&self, z: &[f32]) -> f64 {
-        let Some(bites) = self.bites(z) else { return 0.0 };
-        let is_valley = |k: usize, edge: usize| self.growth(bites.of[k][edge], edge) > 0.0;
-        let mass = |k: usize, edge: usize| f64::from(self.mass * bites.mass(k % self.n, k / self.n, edge));
-        let each = |k: usize| (0..3).filter(|&e| is_valley(k, e)).map(|e| mass(k, e)).sum::<f64>();
-        (0..self.n * self.n).map(each).sum()
+        let Some(edges) = self.edges else { return 0.0 };
+        let n = self.n;
+        let row = |j: usize| {
+            let bite = |i: usize, e: usize| edges.per_fold[e] * self.fold(z, i, j, e);
+            (0..n).map(|i| (0..3).map(|e| f64::from(bite(i, e).max(0.0))).sum::<f64>()).sum::<f64>()
+        };
+        let rows: Vec<f64> = (0..n).into_par_iter().map(row).collect();
+        2.0 * f64::from(self.mass) * rows.iter().sum::<f64>()
     }
 
     /// The gradient with respect to the heights `z` of Σ potential · light.
-    pub fn pull(&self, z: &[f32], potential: &[f32]) -> Vec<f32> {
+    ///
+    /// Light of fillets costs `price` more, as in [`fillets`](Self::fillets).
+    pub fn pull(&self, z: &[f32], potential: &[f32], price: f32) -> Vec<f32> {
         let n = self.n;
         let pulls = match self.bites(z) {
             None => self.pulls(z, potential),
-            Some(bites) => self.pulls_as_cut(z, potential, &bites),
+            Some(bites) => self.pulls_as_cut(z, potential, &bites, price),
         };
         let [px, py] = self.per_mm;
         let mut gradient = vec![0.0; n * n];
@@ -174,40 +180,39 @@ impl Light {
     /// With b the bites and S their sum at a triangle, the value is Σ max(0, 1 - S) φ(s) over triangles plus
     /// Σ b (1/max(1, S) + 1/max(1, S')) φ̄ over edges, φ̄ the mean of the potential on the way between the slopes. A
     /// bite grows at the price V of either triangle: V = φ(s), or Σ b φ̄ / S² where the triangle is eaten up.
-    fn pulls_as_cut(&self, z: &[f32], potential: &[f32], bites: &BiteGrid) -> Vec<Square> {
+    fn pulls_as_cut(&self, z: &[f32], potential: &[f32], bites: &BiteGrid, fee: f32) -> Vec<Square> {
         let (n, bins) = (self.n, &self.bins);
         let place = |s: [f32; 2]| bins.place(s[0], s[1]);
-        let means: Vec<[f32; 3]> = (0..n * n)
-            .into_par_iter()
-            .with_min_len(1 << 10)
-            .map(|k| {
-                let (i, j) = (k % n, k / n);
-                std::array::from_fn(|edge| {
-                    if bites.of[k][edge] <= 0.0 {
-                        return 0.0;
-                    }
-                    let square = self.square(z, i, j);
-                    let end = place(if edge == 2 { square.up } else { square.low });
-                    let (pieces, points) = bins.walk(self.across(z, i, j, edge), end);
-                    points.map(|(_, at)| bins.read(potential, at).0).sum::<f32>() / pieces as f32
-                })
-            })
-            .collect();
-        let price = |edges: [(usize, usize); 3], value: f32| {
-            let sum: f32 = edges.iter().map(|&(k, e)| bites.of[k][e]).sum();
-            let spent = || edges.iter().map(|&(k, e)| bites.of[k][e] * means[k][e]).sum::<f32>();
-            if sum < 1.0 { value } else { spent() / (sum * sum) }
-        };
-        // For every square: its own triangles, and the upper triangles below its bottom and beyond its left edge.
-        let parts: Vec<(Square, Square)> = (0..n * n)
+        let strips: Vec<[Strip; 3]> = (0..n * n)
             .into_par_iter()
             .with_min_len(1 << 10)
             .map(|k| {
                 let (i, j) = (k % n, k / n);
                 let square = self.square(z, i, j);
                 let (low, up) = (place(square.low), place(square.up));
-                let (low_value, low_pull) = bins.read(potential, low);
-                let (up_value, up_pull) = bins.read(potential, up);
+                std::array::from_fn(|edge| {
+                    if bites.of[k][edge] <= 0.0 {
+                        return Strip::default();
+                    }
+                    Strip::read(bins, potential, self.across(z, i, j, edge), if edge == 2 { up } else { low })
+                })
+            })
+            .collect();
+        let price = |edges: [(usize, usize); 3], value: f32| {
+            let sum: f32 = edges.iter().map(|&(k, e)| bites.of[k][e]).sum();
+            let spent = || edges.iter().map(|&(k, e)| bites.of[k][e] * strips[k][e].mean).sum::<f32>();
+            if sum < 1.0 { value } else { spent() / (sum * sum) }
+        };
+        // For every square: its own triangles; and, as `low` and `up`, what its bottom and its left edge do to the upper
+        // triangles beyond them.
+        let parts: Vec<(Square, Square)> = (0..n * n)
+            .into_par_iter()
+            .with_min_len(1 << 10)
+            .map(|k| {
+                let (i, j) = (k % n, k / n);
+                let square = self.square(z, i, j);
+                let (low_value, low_pull) = bins.read(potential, place(square.low));
+                let (up_value, up_pull) = bins.read(potential, place(square.up));
                 let kept = |sum: f32, [x, y]: [f32; 2]| {
                     let share = self.mass * (1.0 - sum).max(0.0);
                     bins.to_slope([share * x, share * y])
@@ -215,40 +220,25 @@ impl Light {
                 let mut own = Square { low: kept(bites.low(i, j), low_pull), up: kept(bites.up(i, j), up_pull) };
                 let mut other = Square { low: [0.0; 2], up: [0.0; 2] };
                 for edge in (0..3).filter(|&e| bites.of[k][e] > 0.0) {
-                    let from = self.across(z, i, j, edge);
-                    let (end, (x, y)) = (if edge == 2 { up } else { low }, bites.beyond(i, j, edge));
+                    let strip = strips[k][edge];
                     let mass = self.mass * bites.mass(i, j, edge);
-                    let (pieces, points) = bins.walk(from, end);
-                    let (mut near, mut far) = ([0.0f32; 2], [0.0f32; 2]);
-                    for (t, at) in points {
-                        let (_, pull) = bins.read(potential, at);
-                        for axis in 0..2 {
-                            near[axis] += t * pull[axis];
-                            far[axis] += (1.0 - t) * pull[axis];
-                        }
-                    }
-                    let share = mass / pieces as f32;
-                    let [near, far] = [near, far].map(|g| bins.to_slope([share * g[0], share * g[1]]));
-                    let own_price = if edge == 2 {
-                        price(bites.up_edges(i, j), up_value)
-                    } else {
-                        price(bites.low_edges(i, j), low_value)
+                    let [near, far] = [strip.near, strip.far].map(|g| bins.to_slope([mass * g[0], mass * g[1]]));
+                    let worth = || {
+                        let (x, y) = bites.beyond(i, j, edge);
+                        let prices = if edge == 2 {
+                            price(bites.up_edges(i, j), up_value) + price(bites.low_edges(i, j), low_value)
+                        } else {
+                            let across = bins.read(potential, self.across(z, i, j, edge)).0;
+                            price(bites.low_edges(i, j), low_value) + price(bites.up_edges(x, y), across)
+                        };
+                        bites.pieces(i, j, edge) * strip.mean - prices
                     };
-                    let other_price = if edge == 2 {
-                        price(bites.low_edges(i, j), low_value)
-                    } else {
-                        price(bites.up_edges(x, y), bins.read(potential, from).0)
-                    };
-                    let worth = bites.pieces(i, j, edge) * means[k][edge] - own_price - other_price;
-                    let grow = self.mass * worth * self.growth(bites.of[k][edge], edge);
+                    let grow = self.mass * self.growth(z, k, edge, bites.of[k][edge], fee, worth);
                     let fold = FOLD[edge];
                     let (to_near, to_far) = match edge {
                         0 => (&mut own.low, &mut other.low),
                         1 => (&mut own.low, &mut other.up),
-                        _ => {
-                            let Square { low, up } = &mut own;
-                            (up, low)
-                        }
+                        _ => (&mut own.up, &mut own.low),
                     };
                     for axis in 0..2 {
                         to_near[axis] += near[axis] + fold[axis] * grow;
@@ -292,9 +282,25 @@ impl Light {
         self.bins.place(slope[0], slope[1])
     }
 
-    /// How a bite grows with its fold.
-    fn growth(&self, bite: f32, edge: usize) -> f32 {
-        self.edges.map_or(0.0, |edges| if bite > edges.least[edge] { edges.per_fold[edge] } else { 0.0 })
+    /// How the value changes with the fold of an edge whose bite is worth `worth`, in masses of a triangle.
+    fn growth(&self, z: &[f32], k: usize, edge: usize, bite: f32, fee: f32, worth: impl Fn() -> f32) -> f32 {
+        let Some(edges) = self.edges else { return 0.0 };
+        let grows = bite > edges.least[edge];
+        let turns = grows || (fee > 0.0 && self.fold(z, k % self.n, k / self.n, edge) > 0.0);
+        let rate = if grows { worth() } else { 0.0 } + if turns { 2.0 * fee } else { 0.0 };
+        edges.per_fold[edge] * rate
+    }
+
+    /// How much the relief turns upward across an edge; less than 0 at a ridge.
+    fn fold(&self, z: &[f32], i: usize, j: usize, edge: usize) -> f32 {
+        let n = self.n;
+        let here = self.square(z, i, j);
+        let (near, far) = match edge {
+            0 => (here.low, self.square(z, i, if j == 0 { n - 1 } else { j - 1 }).up),
+            1 => (here.low, self.square(z, if i == 0 { n - 1 } else { i - 1 }, j).up),
+            _ => (here.up, here.low),
+        };
+        FOLD[edge][0] * (near[0] - far[0]) + FOLD[edge][1] * (near[1] - far[1])
     }
 
     fn bites(&self, z: &[f32]) -> Option<BiteGrid> {
@@ -304,15 +310,8 @@ impl Light {
             .into_par_iter()
             .with_min_len(1 << 12)
             .map(|k| {
-                let (i, j) = (k % n, k / n);
-                let (left, below) = (if i == 0 { n - 1 } else { i - 1 }, if j == 0 { n - 1 } else { j - 1 });
-                let here = self.square(z, i, j);
-                let far = [self.square(z, i, below).up, self.square(z, left, j).up, here.low];
-                let near = [here.low, here.low, here.up];
-                std::array::from_fn(|e| {
-                    let fold = FOLD[e][0] * (near[e][0] - far[e][0]) + FOLD[e][1] * (near[e][1] - far[e][1]);
-                    (edges.per_fold[e] * fold).max(edges.least[e])
-                })
+                let bite = |e: usize| edges.per_fold[e] * self.fold(z, k % n, k / n, e);
+                std::array::from_fn(|e| bite(e).max(edges.least[e]))
             })
             .collect();
         Some(BiteGrid { n, of })
@@ -321,6 +320,32 @@ impl Light {
 
 /// How the fold of a bottom, left and diagonal edge is read off the difference of the slopes (p, q) on its two sides.
 const FOLD: [[f32; 2]; 3] = [[0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
+
+/// The potential on the way between the slopes of two neighbours.
+#[derive(Clone, Copy, Default)]
+struct Strip {
+    mean: f32,
+    /// How the mean changes with the near and with the far slope.
+    near: [f32; 2],
+    far: [f32; 2],
+}
+
+impl Strip {
+    fn read(bins: &Bins, potential: &[f32], from: Place, to: Place) -> Self {
+        let (pieces, points) = bins.walk(from, to);
+        let each = 1.0 / pieces as f32;
+        let mut strip = Self::default();
+        for (t, at) in points {
+            let (value, pull) = bins.read(potential, at);
+            strip.mean += each * value;
+            for axis in 0..2 {
+                strip.near[axis] += each * t * pull[axis];
+                strip.far[axis] += each * (1.0 - t) * pull[axis];
+            }
+        }
+        strip
+    }
+}
 
 /// All bites of a grid.
 struct BiteGrid {
@@ -448,7 +473,7 @@ mod tests {
             let value =
                 |z: &[f32]| light.shine(z).iter().zip(&phi).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>();
             let z = uneven(12, 0.03);
-            let pull = light.pull(&z, &phi);
+            let pull = light.pull(&z, &phi, 0.0);
             let (mut product, mut ours, mut measured) = (0.0, 0.0, 0.0);
             for k in 0..144 {
                 let d = 1e-4;

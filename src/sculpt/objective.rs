@@ -52,6 +52,7 @@ pub struct Objective {
     conditioner: Vec<f32>,
     plane: Waves,
     gaze: Vec<f32>,
+    price: f64,
 }
 
 impl Objective {
@@ -65,7 +66,7 @@ impl Objective {
         let gaze = gaze_gains(&plane, &target, gaze);
         let light = Light::new(lattice, Bins::new(&target), ball.map(|b| b.cutter), ball.map_or(0.0, |b| b.rounding));
         let closing = ball.map(|b| Closing::new(lattice.n, lattice.step, b.closing));
-        Self { lattice, target, light, closing, heights, conditioner, plane, gaze }
+        Self { lattice, target, light, closing, heights, conditioner, plane, gaze, price: 0.0 }
     }
 
     /// The numbers y whose heights are `z`, as far as waves are not damped.
@@ -78,6 +79,12 @@ impl Objective {
         let mut y = z.to_vec();
         self.heights.filter(&mut y, lattice.n, &inverse);
         y
+    }
+
+    /// Charges for the light of fillets, so that they cost `share` of the loss of heights `z` as it is now.
+    pub fn charge_fillets(&mut self, z: &[f32], share: f64) {
+        let fillets = self.light.fillets(z);
+        self.price = if fillets > 0.0 { share * self.compare(z).0 / fillets } else { 0.0 };
     }
 
     /// The heights of numbers `y`, as the cutter leaves their nodes.
@@ -96,7 +103,8 @@ impl Objective {
     pub fn loss(&self, y: &[f32], gradient: &mut [f32]) -> f64 {
         let (z, contacts) = self.closed(y);
         let (loss, potential) = self.compare(&z);
-        let mut pull = self.light.pull(&z, &potential);
+        let loss = if self.price > 0.0 { loss + self.price * self.light.fillets(&z) } else { loss };
+        let mut pull = self.light.pull(&z, &potential, self.price as f32);
         if let Some(contacts) = contacts {
             contacts.pull_back(&mut pull);
         }
