@@ -25,10 +25,10 @@ pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<
     let [nx, ny] = relief.plate_nodes();
     let (low, high) = relief.height_range();
     let base = low - thickness;
-    if !(low.is_finite() && high.is_finite()) {
+    if !(relief.heights.iter().all(|z| z.is_finite()) && low.is_finite() && high.is_finite()) {
         return Err(SheetError::NotFinite);
     }
-    if !(thickness > 0.0 && ((low as f32) > (base as f32))) {
+    if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
         return Err(SheetError::Thickness(thickness));
     }
     let step = relief.step().min_element();

@@ -235,7 +235,7 @@ mod tests {
         };
         assert_eq!(continuous(|r| r.plate.grid = Some(255)), RecipeError::OddGrid { grid: 255 });
         let error = continuous(|r| r.plate.grid = Some(1024));
-        assert!(error.is_impossible() && error.to_string().contains("--grid 408"), "{error}");
+        assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
         assert!(continuous(|r| r.plate.size = [30.0, 2.0]).is_impossible());
         assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
     }

@@ -69,6 +69,10 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
     }
     if let Some(proof) = proof {
         report["designed"] = proof.verdict.to_json();
+        if let Some(milled) = &proof.milled {
+            report["as_milled"] = milled.verdict.to_json();
+            report["as_milled"]["left_by_cutter_um"] = json!(1000.0 * milled.left);
+        }
     }
     report["advice"] = json!(advice(recipe, design, proof.map(|p| &p.verdict)));
     report

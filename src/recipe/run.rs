@@ -17,6 +17,7 @@ use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::sculpt::design::{Sculpture, sculpt};
+use crate::sculpt::milled::milled;
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
 use crate::trace::mesh::{MeshSurface, MeshSurfaceError};
@@ -61,6 +62,17 @@ pub struct Proof {
     pub target: Raster,
     /// What the light did.
     pub measurement: Measurement,
+    /// The figures.
+    pub verdict: Verdict,
+    /// The same of the plate as its cutter leaves it, if it was designed for one.
+    pub milled: Option<MilledProof>,
+}
+
+/// Light sent over a design as its cutter leaves it.
+#[derive(Clone, Debug)]
+pub struct MilledProof {
+    /// The most that the cutter stays above the written surface, mm.
+    pub left: f64,
     /// The figures.
     pub verdict: Verdict,
 }
@@ -165,7 +177,29 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     progress.stage("scoring");
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
-    Ok(Proof { target, measurement, verdict })
+    let milled = prove_milled(recipe, design, &target, &measuring, progress)?;
+    Ok(Proof { target, measurement, verdict, milled })
+}
+
+/// Steps across a cutter of the grid on which its work is found.
+const STEPS_ACROSS_CUTTER: f64 = 50.0;
+
+fn prove_milled(
+    recipe: &Recipe,
+    design: &Design,
+    target: &Raster,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Result<Option<MilledProof>, DesignError> {
+    let (Some(cutter), Some(sculpture)) = (recipe.design.cutter, &design.sculpture) else { return Ok(None) };
+    progress.stage("milling it, and tracing that");
+    let milled = milled(&sculpture.relief, cutter.radius(), cutter.diameter / STEPS_ACROSS_CUTTER);
+    let surface = MeshSurface::new(&sheet_solid(&milled.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+    let setup = &design.distribution.setup;
+    let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
+    let measurement = measure(&surface, setup, measuring, progress).ok_or_else(unlit)?;
+    let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
+    Ok(Some(MilledProof { left: milled.left, verdict }))
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

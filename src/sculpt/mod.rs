@@ -8,6 +8,8 @@ pub mod design;
 
 pub mod light;
 
+pub mod milled;
+
 pub mod matching;
 
 pub mod objective;

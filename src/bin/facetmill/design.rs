@@ -191,6 +191,13 @@ fn print_result(
     }
     if let Some(proof) = proof {
         table.extend(verdict_rows(&proof.verdict));
+        if let Some(milled) = &proof.milled {
+            let main = milled.verdict.main();
+            let left = format!("{:.2} µm", 1000.0 * milled.left);
+            table.push(row("left by cutter", left, "at the most, above the written surface"));
+            let tv = format!("{:.2} %", 100.0 * main.tv_incident.value);
+            table.push(row("misplaced as milled", tv, format!("likeness {:.3}", main.ssim.value)));
+        }
     }
     let cpu: f64 = made.seconds.iter().map(|(_, s)| s).sum();
     table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));
