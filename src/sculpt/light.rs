@@ -338,9 +338,9 @@ impl Strip {
         for (t, at) in points {
             let (value, pull) = bins.read(potential, at);
             strip.mean += each * value;
-            for axis in 0..2 {
-                strip.near[axis] += each * t * pull[axis];
-                strip.far[axis] += each * (1.0 - t) * pull[axis];
+            for (axis, pull) in pull.into_iter().enumerate() {
+                strip.near[axis] += each * t * pull;
+                strip.far[axis] += each * (1.0 - t) * pull;
             }
         }
         strip
