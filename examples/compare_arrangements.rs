@@ -27,12 +27,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         let plate = design(&recipe, &picture.light, &Progress::silent())?;
         let proof = prove(&recipe, &picture.light, &plate, &Progress::silent())?;
         let (low, high) = plate.relief.height_range();
-        let valleys = if recipe.heights().is_cyclic() { plate.steps.valleys } else { plate.steps.inner_valleys };
+        let steps = plate.facets.as_ref().map(|facets| facets.steps).unwrap_or_default();
+        let valleys = if recipe.heights().is_cyclic() { steps.valleys } else { steps.inner_valleys };
         println!(
             "{:10} {:>12.4} {:>7.4} {:>6} {:>6.2} mm {:>12.2} % {:>8.4}",
             format!("{arrange:?}").to_lowercase(),
-            plate.steps.rms / recipe.pitch().min_element(),
-            plate.steps.wall_area_ratio,
+            steps.rms / recipe.pitch().min_element(),
+            steps.wall_area_ratio,
             valleys,
             high - low,
             100.0 * proof.verdict.multi_bounce.value,

@@ -30,8 +30,9 @@
 //! recipe.verify.rays = 100_000;
 //!
 //! let plate = design(&recipe, &picture.light, &Progress::silent())?;
-//! assert_eq!(plate.steps.inner_valleys, 0); // a dome: a cutter fills no corner
-//! assert!(plate.steps.rms < 0.01); // mm between neighbours
+//! let steps = plate.facets.as_ref().map(|facets| facets.steps).unwrap();
+//! assert_eq!(steps.inner_valleys, 0); // a dome: a cutter fills no corner
+//! assert!(steps.rms < 0.01); // mm between neighbours
 //!
 //! let proof = prove(&recipe, &picture.light, &plate, &Progress::silent())?;
 //! let main = proof.verdict.main(); // seen through a blur of 1°
@@ -57,13 +58,14 @@
 //! 4. **Wanted slopes.** [`distribution`] gives every pixel its share of the plate's area.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
-//! 6. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
-//! 7. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::plate`] takes the tracer that serves it
+//! 6. **Or one sheet.** [`sculpt`] shapes a continuous relief in place of facets: see [`recipe::SurfaceKind`].
+//! 7. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
+//! 8. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::plate`] takes the tracer that serves it
 //!    best), [`verify`] collects them as an image and scores it, each figure with its standard error.
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
 //!    reflection on a wall nearby, [`verify::look`] what a camera sees of the plate.
-//! 8. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
-//! 9. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
+//! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
+//! 10. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
 //!
 //! # The two frames
 //!
@@ -163,6 +165,8 @@ pub mod distribution;
 pub mod facets;
 
 pub mod relief;
+
+pub mod sculpt;
 
 pub mod trace;
 

@@ -340,9 +340,11 @@ fn help_names_every_flag_of_the_contract() {
     let home = home();
     let told = run_line(home.path(), "design --help");
     assert_done(&told);
-    for flag in "half-field projection quantity seen light light-radius size facets cells thickness border surface \
+    for flag in
+        "half-field projection quantity seen light light-radius size facets cells thickness border surface grid \
+                 for-cutter min-feature max-triangles \
                  invert rotate fit sample arrange method level recipe seed threads force json quiet no-verify dry-run"
-        .split_whitespace()
+            .split_whitespace()
     {
         assert!(told.stdout.contains(&format!("--{flag}")), "{flag}");
     }

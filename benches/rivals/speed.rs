@@ -147,7 +147,7 @@ fn distance(a: &Path, b: &Path) -> Result<Value, Box<dyn Error>> {
 
 /// The assignment behind the transport arrangement, from slopes in no order.
 fn assignment(directory: &Path, cost_file: &Path) -> Result<Value, Box<dyn Error>> {
-    let mut grid = redesigned(directory)?.1.grid;
+    let mut grid = redesigned(directory)?.1.facets.ok_or("the plate has no facets")?.grid;
     random_order(&mut grid, 1);
     let (n, columns) = (grid.slopes.len(), grid.columns);
     let place = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64);

@@ -4,6 +4,8 @@ mod column;
 
 pub mod solid;
 
+pub mod sheet;
+
 pub mod stl;
 
 pub mod picture;

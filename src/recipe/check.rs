@@ -1,9 +1,13 @@
 //! Which recipes can be made at all.
 
-use super::Recipe;
+use super::{Recipe, SurfaceKind};
 
 /// Facets on one plate at the most.
 const MOST_FACETS: usize = 4_000_000;
+
+/// Nodes along a side of a continuous relief's cell.
+const LEAST_GRID: usize = 16;
+const MOST_GRID: usize = 4096;
 
 impl Recipe {
     /// Refuses settings that make no sense, naming the first one.
@@ -23,7 +27,11 @@ impl Recipe {
         within("slope-cap", self.design.distribution.slope_cap, 0.1, 85.0)?;
         within("facets", plate.facets[0] as f64, 1.0, MOST_FACETS as f64)?;
         within("facets", plate.facets[1] as f64, 1.0, MOST_FACETS as f64)?;
-        within("cells", plate.cells as f64, 1.0, MOST_FACETS as f64)?;
+        within("cells", self.cells() as f64, 1.0, MOST_FACETS as f64)?;
+        within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
+        within("max-triangles", plate.max_triangles as f64, 1000.0, 2e8)?;
+        within("for-cutter", self.design.cutter.map_or(1.0, |c| c.diameter), 1e-3, 100.0)?;
+        within("min-feature", self.design.min_feature, 0.0, 100.0)?;
         within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
         // What TOML can write back.
         within("seed", self.design.seed as f64, 0.0, 9.2e18)?;
@@ -31,11 +39,14 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        if plate.surface == SurfaceKind::Continuous {
+            return self.check_continuous();
+        }
         let [columns, rows] = plate.facets;
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
         }
-        let cells = plate.cells;
+        let cells = self.cells();
         if !columns.is_multiple_of(cells) || !rows.is_multiple_of(cells) {
             let nearest = |n: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
             return Err(RecipeError::Indivisible {
@@ -49,6 +60,26 @@ impl Recipe {
         let pitch = self.pitch();
         if pitch.max_element() > 20.0 * pitch.min_element() {
             return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
+        }
+        Ok(())
+    }
+
+    fn check_continuous(&self) -> Result<(), RecipeError> {
+        let sculpting = self.sculpting();
+        let (cell, grid) = (sculpting.cell, sculpting.grid);
+        if !grid.is_multiple_of(2) {
+            return Err(RecipeError::OddGrid { grid });
+        }
+        if cell.max_element() > 4.0 * cell.min_element() {
+            return Err(RecipeError::LongCells { across: cell.x, up: cell.y });
+        }
+        let triangles = 2.0 * ((grid * self.cells()) as f64).powi(2);
+        if triangles > self.plate.max_triangles as f64 {
+            let most = (self.plate.max_triangles as f64 / 2.0).sqrt() / self.cells() as f64;
+            return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
+        }
+        if let Some(cutter) = self.design.cutter.filter(|c| c.diameter > cell.min_element()) {
+            return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter, cell: cell.min_element() });
         }
         Ok(())
     }
@@ -109,6 +140,38 @@ pub enum RecipeError {
         /// Facet size along y, mm.
         up: f64,
     },
+    /// The transforms want pairs of nodes.
+    #[error("a grid of {grid} nodes is odd: take --grid {}", grid + 1)]
+    OddGrid {
+        /// Nodes a side.
+        grid: usize,
+    },
+    /// Cells four times as long as wide.
+    #[error("cells would be {across:.3} mm by {up:.3} mm: choose a --size whose sides differ by less than four times")]
+    LongCells {
+        /// Cell size along x, mm.
+        across: f64,
+        /// Cell size along y, mm.
+        up: f64,
+    },
+    /// Over the budget.
+    #[error(
+        "the grid needs {triangles:.0} triangles, over the budget: lower --grid to {most}, or raise --max-triangles"
+    )]
+    TooManyTriangles {
+        /// Triangles on the plate.
+        triangles: f64,
+        /// The largest grid within the budget.
+        most: usize,
+    },
+    /// A ball wider than what it shall cut.
+    #[error("a ball of {diameter} mm cannot cut cells of {cell:.3} mm: take a smaller cutter or fewer --cells")]
+    CutterBeyondCell {
+        /// Diameter of the ball, mm.
+        diameter: f64,
+        /// Shorter side of a cell, mm.
+        cell: f64,
+    },
 }
 
 impl RecipeError {
@@ -121,6 +184,7 @@ impl RecipeError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recipe::Cutter;
 
     #[test]
     fn a_recipe_survives_toml_and_typos_do_not() {
@@ -151,13 +215,28 @@ mod tests {
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets[0] = 0)), "facets");
-        assert_eq!(named(refused(|r| r.plate.cells = 0)), "cells");
+        assert_eq!(named(refused(|r| r.plate.cells = Some(0))), "cells");
         assert_eq!(named(refused(|r| r.design.seed = u64::MAX)), "seed");
         assert_eq!(named(refused(|r| r.design.annealing.valleys = f64::NAN)), "annealing.valleys");
         assert_eq!(named(refused(|r| r.design.annealing.starts = 0)), "annealing.starts");
-        let error = refused(|r| r.plate.cells = 4);
+        let error = refused(|r| r.plate.cells = Some(4));
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(refused(|r| r.plate.facets = [3000, 3000]).is_impossible());
         assert!(refused(|r| r.plate.facets = [2, 300]).is_impossible());
+        assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
+        assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
+        assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter { diameter: f64::NAN }))), "for-cutter");
+        let continuous = |change: fn(&mut Recipe)| {
+            let mut recipe = Recipe::default();
+            recipe.plate.surface = SurfaceKind::Continuous;
+            assert_eq!(recipe.check(), Ok(()));
+            change(&mut recipe);
+            recipe.check().unwrap_err()
+        };
+        assert_eq!(continuous(|r| r.plate.grid = Some(255)), RecipeError::OddGrid { grid: 255 });
+        let error = continuous(|r| r.plate.grid = Some(1024));
+        assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
+        assert!(continuous(|r| r.plate.size = [30.0, 2.0]).is_impossible());
+        assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
     }
 }

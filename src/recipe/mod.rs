@@ -2,6 +2,8 @@
 
 mod check;
 
+mod cutter;
+
 pub mod run;
 
 pub mod report;
@@ -10,6 +12,7 @@ use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
 pub use check::RecipeError;
+pub use cutter::{Cutter, CutterError};
 
 use crate::distribution::DistributionSettings;
 use crate::facets::arrange::anneal::{Annealing, Energy};
@@ -17,6 +20,7 @@ use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
 use crate::picture::{Encoding, Fit, Reading};
 use crate::projection::Projection;
+use crate::sculpt::design::{Sculpting, suitable_grid};
 use crate::setup::Setup;
 
 /// All that a design depends on. The same recipe gives the same bytes.
@@ -108,19 +112,34 @@ pub struct PlateSettings {
     /// Facets along x and y, on the whole plate.
     #[serde(deserialize_with = "pair")]
     pub facets: [usize; 2],
-    /// The whole highlight is repeated in this many cells along each side.
-    pub cells: usize,
+    /// The whole highlight is repeated in this many cells along each side; without it, as suits the kind of relief.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cells: Option<usize>,
     /// Solid metal under the lowest point, mm.
     pub thickness: f64,
     /// Flat rim around the optical area, mm.
     pub border: f64,
     /// Kind of relief.
     pub surface: SurfaceKind,
+    /// Nodes along each side of a cell of a continuous relief; without it, as suits picture, cutter and file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<usize>,
+    /// Triangles of a continuous relief at the most, on the whole plate.
+    pub max_triangles: usize,
 }
 
 impl Default for PlateSettings {
     fn default() -> Self {
-        Self { size: [30.0, 30.0], facets: [30, 30], cells: 1, thickness: 5.0, border: 0.0, surface: SurfaceKind::Flat }
+        Self {
+            size: [30.0, 30.0],
+            facets: [30, 30],
+            cells: None,
+            thickness: 5.0,
+            border: 0.0,
+            surface: SurfaceKind::Flat,
+            grid: None,
+            max_triangles: 3_000_000,
+        }
     }
 }
 
@@ -131,6 +150,8 @@ pub enum SurfaceKind {
     /// Planar facets, as in the 2009 paper.
     #[default]
     Flat,
+    /// One sheet without steps, periodic in its cells.
+    Continuous,
 }
 
 /// How the facets come about.
@@ -144,6 +165,11 @@ pub struct DesignSettings {
     /// How heights follow from slopes; without it, as suits the arrangement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<Heights>,
+    /// The cutter that a continuous relief is for; without it, its valleys are as sharp as its triangles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cutter: Option<Cutter>,
+    /// Details of a continuous relief narrower than this are left out, mm.
+    pub min_feature: f64,
     /// Seed of everything random.
     pub seed: u64,
     /// The slope distribution.
@@ -159,6 +185,8 @@ impl Default for DesignSettings {
             sample: Sampling::default(),
             arrange: Arrangement::default(),
             heights: None,
+            cutter: None,
+            min_feature: 0.0,
             distribution: DistributionSettings::default(),
             annealing: Annealing::default(),
         }
@@ -230,6 +258,24 @@ impl Recipe {
             Arrangement::Anneal => Heights::Cyclic,
             Arrangement::Transport | Arrangement::Random => Heights::Free,
         })
+    }
+
+    /// Cells along each side: as asked; or one dome of facets, and three cells of a continuous relief.
+    pub fn cells(&self) -> usize {
+        self.plate.cells.unwrap_or(match self.plate.surface {
+            SurfaceKind::Flat => 1,
+            SurfaceKind::Continuous => 3,
+        })
+    }
+
+    /// What a continuous relief of this recipe shall be.
+    pub fn sculpting(&self) -> Sculpting {
+        let PlateSettings { size, grid, max_triangles, .. } = self.plate;
+        let cells = [self.cells(); 2];
+        let cell = glam::DVec2::from(size) / self.cells() as f64;
+        let cutter = self.design.cutter.map(Cutter::radius);
+        let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, max_triangles));
+        Sculpting { cell, cells, grid, cutter, min_feature: self.design.min_feature, seed: self.design.seed }
     }
 
     /// How the picture file is to be read.

@@ -10,13 +10,15 @@ use crate::distribution::Distribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
 use crate::projection::View;
+use crate::sculpt::design::Sculpture;
 use crate::verify::verdict::Verdict;
 
 /// Everything that is known of a design, as the object that `report.json` holds. `proof` is absent if nothing was traced.
 pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option<&Proof>) -> Value {
-    let Design { distribution, relief, steps, mesh, .. } = design;
+    let Design { distribution, relief, mesh, .. } = design;
+    let steps = design.facets.as_ref().map(|facets| facets.steps);
     let (low, high) = relief.height_range();
-    let pitch = recipe.pitch();
+    let pitch = design.sculpture.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
     let mean = distribution.mean;
     let normal = distribution.setup.plate_normal();
     let mut seconds: Map<String, Value> =
@@ -45,11 +47,12 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
             "slope_spread": distribution.spread,
             "mount_theta_deg": normal.z.min(1.0).acos().to_degrees(),
             "mount_phi_deg": if normal.z < 1.0 { normal.y.atan2(normal.x).to_degrees() } else { 0.0 },
-            "step_rms_mm": steps.rms,
-            "step_rms_pitch": steps.rms / pitch.min_element(),
-            "wall_area_ratio": steps.wall_area_ratio,
-            "valleys": steps.valleys,
-            "inner_valleys": steps.inner_valleys,
+            // A continuous relief has no steps, and no edges that could be counted as valleys.
+            "step_rms_mm": steps.map_or(0.0, |s| s.rms),
+            "step_rms_pitch": steps.map_or(0.0, |s| s.rms / pitch.min_element()),
+            "wall_area_ratio": steps.map_or(0.0, |s| s.wall_area_ratio),
+            "valleys": steps.map(|s| s.valleys),
+            "inner_valleys": steps.map(|s| s.inner_valleys),
             "seconds": seconds,
         },
         "stl": {
@@ -61,11 +64,32 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
             "z_high_mm": high,
         },
     });
+    if let Some(sculpture) = &design.sculpture {
+        report["design"]["continuous"] = continuous(recipe, sculpture);
+    }
     if let Some(proof) = proof {
         report["designed"] = proof.verdict.to_json();
+        if let Some(milled) = &proof.milled {
+            report["as_milled"] = milled.verdict.to_json();
+            report["as_milled"]["left_by_cutter_um"] = json!(1000.0 * milled.left);
+        }
     }
     report["advice"] = json!(advice(recipe, design, proof.map(|p| &p.verdict)));
     report
+}
+
+/// The facts of a continuous relief.
+fn continuous(recipe: &Recipe, sculpture: &Sculpture) -> Value {
+    let relief = &sculpture.relief;
+    json!({
+        "grid": relief.nodes,
+        "cells": relief.cells,
+        "cell_mm": relief.cell.to_array(),
+        "cutter": recipe.design.cutter,
+        "start": sculpture.start,
+        "misplaced_by_stage": sculpture.misplaced,
+        "fillet_share": sculpture.fillets,
+    })
 }
 
 /// Height that the mean slope alone costs from corner to corner, mm.
@@ -110,7 +134,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
     let costs = mean_slope_costs(recipe, &design.distribution);
     let (low, high) = design.relief.height_range();
     if costs > 0.5 && costs > 0.5 * (high - low) {
-        if recipe.heights().is_cyclic() {
+        if design.sculpture.is_none() && recipe.heights().is_cyclic() {
             say("The highlight is off centre and the arrangement is cyclic, so its mean slope stands in walls: add --level.".into());
         } else {
             say(format!(
@@ -121,7 +145,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
     }
     if let Some(verdict) = verdict {
         let tv = verdict.main().tv.value;
-        if tv > 0.05 {
+        if tv > 0.05 && design.sculpture.is_none() {
             let [columns, rows] = recipe.plate.facets;
             say(format!(
                 "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",
@@ -129,7 +153,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
                 2 * rows
             ));
         }
-        if verdict.blocked.value + verdict.multi_bounce.value > 0.02 {
+        if verdict.blocked.value + verdict.multi_bounce.value > 0.02 && design.sculpture.is_none() {
             say(format!(
                 "{} of the light is blocked and {} bounces twice, on walls and valleys: --arrange transport has the fewest.",
                 percent(verdict.blocked.value),

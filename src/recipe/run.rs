@@ -2,8 +2,9 @@
 
 use cpu_time::ProcessTime;
 
-use super::{Arrangement, Heights, Recipe, RecipeError};
+use super::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
 use crate::distribution::{Distribution, DistributionError};
+use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
 use crate::facets::SlopeGrid;
 use crate::facets::arrange::{anneal::anneal_best, cells::in_cells, random_order, transport};
@@ -15,9 +16,13 @@ use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
+use crate::sculpt::design::{Sculpture, sculpt};
+use crate::sculpt::milled::milled;
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
-use crate::verify::measure::{Experiment, Measuring, measure};
+use crate::trace::mesh::MeshSurfaceError;
+use crate::trace::plate::{self, Task};
+use crate::verify::measure::{Measuring, Mirrored};
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::Verdict;
 
@@ -31,16 +36,25 @@ pub struct Design {
     pub below_plate: f64,
     /// The slopes that were wanted.
     pub distribution: Distribution,
-    /// The slopes that the facets have, in their places.
-    pub grid: SlopeGrid,
-    /// Steps, walls and valleys of the optical area.
-    pub steps: Steps,
-    /// The relief with its rim.
+    /// Facets in their places, if the relief is made of them.
+    pub facets: Option<Facets>,
+    /// The continuous sheet, if the relief is one.
+    pub sculpture: Option<Sculpture>,
+    /// The relief with its rim; of a continuous one, a plane for each square of its grid.
     pub relief: FacetedRelief,
     /// The closed solid.
     pub mesh: Mesh,
     /// CPU seconds by stage, in order.
     pub seconds: Vec<(&'static str, f64)>,
+}
+
+/// Facets and how they meet.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    /// The slopes that the facets have, in their places.
+    pub grid: SlopeGrid,
+    /// Steps, walls and valleys of the optical area.
+    pub steps: Steps,
 }
 
 /// Light sent over a design, and what is said of it.
@@ -52,15 +66,23 @@ pub struct Proof {
     pub measurement: Measurement,
     /// The figures.
     pub verdict: Verdict,
+    /// The same of the plate as its cutter leaves it, if it was designed for one.
+    pub milled: Option<MilledProof>,
+}
+
+/// Light sent over a design as its cutter leaves it.
+#[derive(Clone, Debug)]
+pub struct MilledProof {
+    /// The most that the cutter stays above the written surface, mm.
+    pub left: f64,
+    /// The figures.
+    pub verdict: Verdict,
 }
 
 /// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
 pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<Design, DesignError> {
     recipe.check()?;
     let mut clock = Clock::start();
-    let [columns, rows] = recipe.plate.facets;
-    let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
-
     progress.stage("reading slopes off the highlight");
     let setup = recipe.setup();
     let highlight = Highlight::new(&shrunk(light), recipe.highlight.quantity, &setup).ok_or(DesignError::AllBelow)?;
@@ -69,9 +91,52 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
     }
     let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
     clock.lap("distribution");
+    let plate = match recipe.plate.surface {
+        SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
+        SurfaceKind::Continuous => continuous(recipe, &distribution, &mut clock, progress)?,
+    };
+    let Plate { facets, sculpture, relief, mesh } = plate;
+    let seconds = clock.laps;
+    Ok(Design { below_plate: highlight.below_plate, distribution, facets, sculpture, relief, mesh, seconds })
+}
 
+/// What comes of either kind of relief.
+struct Plate {
+    facets: Option<Facets>,
+    sculpture: Option<Sculpture>,
+    relief: FacetedRelief,
+    mesh: Mesh,
+}
+
+fn continuous(
+    recipe: &Recipe,
+    distribution: &Distribution,
+    clock: &mut Clock,
+    progress: &Progress,
+) -> Result<Plate, DesignError> {
+    progress.stage("sculpting the relief");
+    let sculpture = sculpt(distribution, &recipe.sculpting(), progress).ok_or(DesignError::TooNarrow)?;
+    if progress.is_cancelled() {
+        return Err(DesignError::Cancelled);
+    }
+    clock.lap("sculpting");
+    progress.stage("closing the solid");
+    let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
+    let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
+    clock.lap("solid");
+    Ok(Plate { facets: None, sculpture: Some(sculpture), relief, mesh })
+}
+
+fn faceted(
+    recipe: &Recipe,
+    distribution: &Distribution,
+    clock: &mut Clock,
+    progress: &Progress,
+) -> Result<Plate, DesignError> {
+    let [columns, rows] = recipe.plate.facets;
+    let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
     progress.stage("drawing facets");
-    let points = sample(&distribution, columns * rows, recipe.design.sample, seed, progress);
+    let points = sample(distribution, columns * rows, recipe.design.sample, seed, progress);
     let slopes = points.iter().map(|uv| distribution.setup.slope_at(*uv).unwrap_or(Slope::FLAT)).collect();
     clock.lap("sampling");
 
@@ -96,27 +161,54 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
     progress.stage("closing the solid");
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap("solid");
-    Ok(Design { below_plate: highlight.below_plate, distribution, grid, steps, relief, mesh, seconds: clock.laps })
+    Ok(Plate { facets: Some(Facets { grid, steps }), sculpture: None, relief, mesh })
 }
 
 /// Sends light over the design's exact relief and scores what comes back against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
     progress.stage("tracing light over the relief");
     let setup = &design.distribution.setup;
-    let surface = GridSurface::new(&design.relief);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let measurement = measure(&Experiment::new(&surface, setup), &measuring, progress).ok_or_else(unlit)?;
+    let mirrored = Mirrored { setup, measuring: &measuring, progress };
+    let measurement = match &design.sculpture {
+        None => mirrored.on(&GridSurface::new(&design.relief)),
+        // The triangles themselves, as they stand in the file.
+        Some(_) => plate::Plate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
+    };
+    let measurement = measurement.ok_or_else(unlit)?;
     progress.stage("scoring");
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
-    Ok(Proof { target, measurement, verdict })
+    let milled = prove_milled(recipe, design, &target, &measuring, progress)?;
+    Ok(Proof { target, measurement, verdict, milled })
+}
+
+/// Steps across a cutter of the grid on which its work is found.
+const STEPS_ACROSS_CUTTER: f64 = 50.0;
+
+fn prove_milled(
+    recipe: &Recipe,
+    design: &Design,
+    target: &Raster,
+    measuring: &Measuring,
+    progress: &Progress,
+) -> Result<Option<MilledProof>, DesignError> {
+    let (Some(cutter), Some(sculpture)) = (recipe.design.cutter, &design.sculpture) else { return Ok(None) };
+    progress.stage("milling it, and tracing that");
+    let milled = milled(&sculpture.relief, cutter.radius(), cutter.diameter / STEPS_ACROSS_CUTTER);
+    let surface = plate::Plate::new(&sheet_solid(&milled.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+    let setup = &design.distribution.setup;
+    let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
+    let measurement = surface.run(Mirrored { setup, measuring, progress }).ok_or_else(unlit)?;
+    let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
+    Ok(Some(MilledProof { left: milled.left, verdict }))
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
     let [columns, rows] = recipe.plate.facets;
     let pitch = recipe.pitch();
-    in_cells(slopes, columns, rows, recipe.plate.cells, |slopes, columns, rows, cell| {
+    in_cells(slopes, columns, rows, recipe.cells(), |slopes, columns, rows, cell| {
         let seed = recipe.design.seed.wrapping_add(cell as u64);
         if recipe.design.arrange == Arrangement::Transport {
             return transport::dome(slopes, columns, rows, pitch, progress);
@@ -179,6 +271,15 @@ pub enum DesignError {
     /// No solid.
     #[error(transparent)]
     Solid(#[from] SolidError),
+    /// No solid of a continuous relief.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// The continuous relief's triangles cannot be traced.
+    #[error(transparent)]
+    Mesh(#[from] MeshSurfaceError),
+    /// The highlight has no extent on the slope plane.
+    #[error("the highlight cannot be laid out as slopes around its mean: raise --half-field")]
+    TooNarrow,
     /// The relief sends nothing into the image.
     #[error("no light reaches the highlight image: the relief shades itself completely")]
     NoLight,

@@ -4,6 +4,8 @@ pub mod faceted;
 
 pub mod heights;
 
+pub mod periodic;
+
 pub mod mesh;
 
 pub mod recognise;

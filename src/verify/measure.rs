@@ -19,6 +19,7 @@ use crate::progress::Progress;
 use crate::projection::View;
 use crate::setup::Setup;
 use crate::trace::path::Follower;
+use crate::trace::plate::Task;
 use crate::trace::{Hit, Kind, Surface};
 
 /// How finely light is measured.
@@ -105,6 +106,25 @@ pub fn measure<S: Surface>(
 ) -> Option<Measurement> {
     let screen = HighlightImage { setup: experiment.setup, resolution: measuring.resolution };
     collect(experiment, &screen, measuring, progress)
+}
+
+/// Any plate as an ideal mirror: [`measure`] for [`Plate::run`](crate::trace::plate::Plate::run).
+#[derive(Clone, Copy)]
+pub struct Mirrored<'a> {
+    /// Light and image.
+    pub setup: &'a Setup,
+    /// How finely.
+    pub measuring: &'a Measuring,
+    /// Who listens.
+    pub progress: &'a Progress<'a>,
+}
+
+impl Task for Mirrored<'_> {
+    type Output = Option<Measurement>;
+
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        measure(&Experiment::new(surface, self.setup), self.measuring, self.progress)
+    }
 }
 
 /// Sends light over the surface and collects it on `screen`; the same for any number of threads.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 use facetmill::picture::Encoding;
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{Cutter, Recipe};
 
 use crate::measure::args::MeasureArgs;
 use crate::values::*;
@@ -81,7 +81,7 @@ pub struct DesignArgs {
     /// show finer detail, smaller ones need a smaller cutter.
     #[arg(long, value_name = "NxM", help_heading = "Plate", value_parser = counts, allow_hyphen_values = true)]
     facets: Option<[usize; 2]>,
-    /// Repeat the whole highlight in K x K cells  [default: 1]
+    /// Repeat the whole highlight in K x K cells  [default: 1; 3 with --surface continuous]
     ///
     /// One cell is a single dome, which seen from near by lights up in one place only. 3 x 3 cells of 10 mm each hold
     /// the whole highlight, so the plate looks the same all over. --facets must be divisible by K.
@@ -93,10 +93,24 @@ pub struct DesignArgs {
     /// Flat rim around the optical area, mm  [default: 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     border: Option<f64>,
-    /// Kind of relief: planar facets  [default: flat]
+    /// Kind of relief: planar facets, or one continuous sheet  [default: flat]
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Plate")]
     surface: Option<SurfaceArg>,
+    /// Nodes along each side of a cell of a continuous relief  [default: as suits cutter and file]
+    #[arg(long, value_name = "N", help_heading = "Plate", value_parser = count)]
+    grid: Option<usize>,
+    /// Triangles of a continuous relief at the most  [default: 3000000]
+    #[arg(long, value_name = "N", help_heading = "Plate", value_parser = count)]
+    max_triangles: Option<usize>,
 
+    /// Shape a continuous relief so that its light is right as this cutter leaves it: ball:DIAMETER in mm
+    #[arg(long, value_name = "CUTTER", help_heading = "Design")]
+    for_cutter: Option<Cutter>,
+    /// Leave out details of a continuous relief narrower than this, mm  [default: 0]
+    ///
+    /// A mirror of 0.1 mm spreads light by about 0.3°: detail that lives on smaller ones is lost to diffraction.
+    #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
+    min_feature: Option<f64>,
     /// How facets are drawn from the highlight  [default: voronoi]
     #[arg(long, value_enum, value_name = "HOW", help_heading = "Design")]
     sample: Option<SampleArg>,
@@ -242,10 +256,14 @@ impl DesignArgs {
         let (plate, design) = (&mut recipe.plate, &mut recipe.design);
         set(&mut plate.size, self.size);
         set(&mut plate.facets, self.facets);
-        set(&mut plate.cells, self.cells);
+        plate.cells = self.cells.or(plate.cells);
+        plate.grid = self.grid.or(plate.grid);
+        set(&mut plate.max_triangles, self.max_triangles);
         set(&mut plate.thickness, self.thickness);
         set(&mut plate.border, self.border);
         set(&mut plate.surface, self.surface.map(Into::into));
+        design.cutter = self.for_cutter.or(design.cutter);
+        set(&mut design.min_feature, self.min_feature);
         set(&mut design.sample, self.sample.map(Into::into));
         set(&mut design.arrange, self.arrange.map(Into::into));
         design.heights = self.heights.map(Into::into).or(design.heights);

@@ -135,15 +135,27 @@ fn write(
 /// The plate in one line, for captions.
 fn plate_line(recipe: &Recipe, made: &Design) -> String {
     let [width, height] = recipe.plate.size;
-    let [columns, rows] = recipe.plate.facets;
     let (low, high) = made.relief.height_range();
     format!(
-        "{width} × {height} mm, {columns} × {rows} facets, relief {:.2} mm   ·   light at {}°, {}°   ·   half field {}°",
+        "{width} × {height} mm, {}, relief {:.2} mm   ·   light at {}°, {}°   ·   half field {}°",
+        kind(recipe, made),
         high - low,
         recipe.light.theta,
         recipe.light.phi,
         recipe.highlight.half_field
     )
+}
+
+/// What the relief is made of.
+fn kind(recipe: &Recipe, made: &Design) -> String {
+    match &made.sculpture {
+        None => format!("{} × {} facets", recipe.plate.facets[0], recipe.plate.facets[1]),
+        Some(sculpture) => {
+            let [across, up] = sculpture.relief.cells;
+            let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
+            format!("{across} × {up} cells of a continuous relief{cutter}")
+        }
+    }
 }
 
 fn print_result(
@@ -155,19 +167,22 @@ fn print_result(
     report: &Value,
 ) -> Result<(), OutputError> {
     let [width, height] = recipe.plate.size;
-    let [columns, rows] = recipe.plate.facets;
-    let pitch = recipe.pitch();
     let (low, high) = made.relief.height_range();
+    let pitch = made.sculpture.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
+    let each = if made.sculpture.is_some() { "nodes every" } else { "each" };
     let mut table = vec![
         row(
             "plate",
             format!("{width} × {height} mm"),
-            format!("of {columns} × {rows} facets, each {:.3} × {:.3} mm", pitch.x, pitch.y),
+            format!("of {}, {each} {:.3} × {:.3} mm", kind(recipe, made), pitch.x, pitch.y),
         ),
         row("relief", format!("{:.3} mm", high - low), "from its lowest to its highest point"),
-        row("steps", format!("{:.4} mm", made.steps.rms), "between neighbours, root mean square; 0 is seamless"),
-        row("valleys", made.steps.inner_valleys.to_string(), "edges inside the plate where a cutter leaves its radius"),
     ];
+    if let Some(facets) = &made.facets {
+        let (steps, valleys) = (format!("{:.4} mm", facets.steps.rms), facets.steps.inner_valleys.to_string());
+        table.push(row("steps", steps, "between neighbours, root mean square; 0 is seamless"));
+        table.push(row("valleys", valleys, "edges inside the plate where a cutter leaves its radius"));
+    }
     let normal = made.distribution.setup.plate_normal();
     if normal.z < 1.0 {
         let toward = normal.y.atan2(normal.x).to_degrees();
@@ -176,6 +191,13 @@ fn print_result(
     }
     if let Some(proof) = proof {
         table.extend(verdict_rows(&proof.verdict));
+        if let Some(milled) = &proof.milled {
+            let main = milled.verdict.main();
+            let left = format!("{:.2} µm", 1000.0 * milled.left);
+            table.push(row("left by cutter", left, "at the most, above the written surface"));
+            let tv = format!("{:.2} %", 100.0 * main.tv_incident.value);
+            table.push(row("misplaced as milled", tv, format!("likeness {:.3}", main.ssim.value)));
+        }
     }
     let cpu: f64 = made.seconds.iter().map(|(_, s)| s).sum();
     table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));

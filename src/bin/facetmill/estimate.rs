@@ -75,7 +75,7 @@ fn facts(recipe: &Recipe, proved: bool) -> Value {
 fn design_seconds(recipe: &Recipe) -> f64 {
     let [columns, rows] = recipe.plate.facets;
     let facets = (columns * rows) as f64;
-    let cells = (recipe.plate.cells * recipe.plate.cells) as f64;
+    let cells = (recipe.cells() * recipe.cells()) as f64;
     let sampling = match recipe.design.sample {
         Sampling::Voronoi => interpolated(VORONOI, facets),
         Sampling::Random | Sampling::Sobol => 2e-7 * facets,

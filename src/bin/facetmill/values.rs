@@ -101,6 +101,8 @@ words!(FitArg for Fit {
 words!(SurfaceArg for SurfaceKind {
     /// Planar facets
     Flat,
+    /// One sheet without steps
+    Continuous,
 });
 words!(SampleArg for Sampling {
     /// Centroidal cells of equal mass

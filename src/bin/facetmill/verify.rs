@@ -5,12 +5,8 @@ use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::recipe::run::Proof;
-use facetmill::setup::Setup;
 use facetmill::slope::direction;
-use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
-use facetmill::verify::tally::Measurement;
+use facetmill::verify::measure::{Measuring, Mirrored};
 use facetmill::verify::verdict::Verdict;
 use serde_json::json;
 
@@ -22,20 +18,6 @@ use crate::plates;
 
 /// Every file that a verification may write.
 const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
-
-/// The plate as an ideal mirror.
-struct Mirrored<'a> {
-    setup: &'a Setup,
-    measuring: &'a Measuring,
-    progress: &'a Progress<'a>,
-}
-
-impl Task for Mirrored<'_> {
-    type Output = Option<Measurement>;
-    fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        measure(&Experiment::new(surface, self.setup), self.measuring, self.progress)
-    }
-}
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
@@ -79,7 +61,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-    let proof = Proof { target, measurement, verdict };
+    let proof = Proof { target, measurement, verdict, milled: None };
 
     progress.stage("writing files");
     let (bottom, top) = opened.heights;

@@ -1,0 +1,218 @@
+//! The continuous relief as a closed body: its own triangles, a flat rim if wanted, sides and a flat base.
+
+use glam::DVec2;
+use thiserror::Error;
+
+use crate::relief::mesh::Mesh;
+use crate::relief::periodic::PeriodicRelief;
+
+/// Least number of single-precision steps between nodes.
+const LEAST_STEPS: f64 = 8.0;
+
+/// Share of the nodes' distance that single precision may spoil in heights: the most it may cost in slope.
+const WORST_SLOPE: f64 = 1e-4;
+
+/// The solid body under `relief`, with a rim `rim` mm wide level with its lowest point, whose flat base lies
+/// `thickness` mm below that.
+///
+/// Vertices are shared, every edge has two triangles, and nothing inside the plate is vertical; with a rim, a wall
+/// stands around the relief, without one the sides do.
+///
+/// # Errors
+/// When the plate is too large for its details in single precision, the thickness is not positive, a height is not
+/// finite, or the body outgrows the 32-bit counts of an STL file.
+pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<Mesh, SheetError> {
+    let [nx, ny] = relief.plate_nodes();
+    let (low, high) = relief.height_range();
+    let base = low - thickness;
+    if !(relief.heights.iter().all(|z| z.is_finite()) && low.is_finite() && high.is_finite()) {
+        return Err(SheetError::NotFinite);
+    }
+    if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
+        return Err(SheetError::Thickness(thickness));
+    }
+    let step = relief.step().min_element();
+    let size = relief.size();
+    let ulp = |v: f64| f64::from((v as f32).next_up() - v as f32);
+    let reach = high.abs().max(base.abs());
+    if ulp(size.max_element() + rim) * LEAST_STEPS > step || ulp(reach) > WORST_SLOPE * step {
+        return Err(SheetError::Fine { step });
+    }
+    let wanted = 2 * (nx - 1) as u64 * (ny - 1) as u64 + 16 * (nx + ny) as u64;
+    if wanted > u64::from(u32::MAX) {
+        return Err(SheetError::TooMany);
+    }
+    let mut mesh = Mesh::default();
+    mesh.triangles.reserve_exact(wanted as usize);
+    // Adding zero turns -0 into 0, which readers may or may not tell apart.
+    let top = (0..nx * ny).map(|k| relief.node(k % nx, k / nx).to_array().map(|v| v as f32 + 0.0));
+    mesh.vertices.extend(top);
+    for j in 0..ny - 1 {
+        for i in 0..nx - 1 {
+            let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| ((j + y) * nx + i + x) as u32);
+            mesh.triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    let mut loop_above = border(nx, ny);
+    if rim > 0.0 {
+        loop_above = lowered(&mut mesh, &loop_above, low as f32 + 0.0);
+        loop_above = widened(&mut mesh, &loop_above, rim, size);
+    }
+    let loop_below = lowered(&mut mesh, &loop_above, base as f32 + 0.0);
+    let middle = (0.5 * size).extend(base).to_array().map(|v| v as f32 + 0.0);
+    fan(&mut mesh, &loop_below, middle);
+    Ok(mesh)
+}
+
+/// The nodes around the plate, counter-clockwise seen from above.
+fn border(nx: usize, ny: usize) -> Vec<u32> {
+    let node = |i: usize, j: usize| (j * nx + i) as u32;
+    let south = (0..nx - 1).map(|i| node(i, 0));
+    let east = (0..ny - 1).map(|j| node(nx - 1, j));
+    let north = (1..nx).rev().map(|i| node(i, ny - 1));
+    let west = (1..ny).rev().map(|j| node(0, j));
+    south.chain(east).chain(north).chain(west).collect()
+}
+
+/// A vertical wall below a counter-clockwise loop, down to height `z`; the loop at its foot. Nodes that stand there
+/// already are their own foot.
+fn lowered(mesh: &mut Mesh, above: &[u32], z: f32) -> Vec<u32> {
+    let below: Vec<u32> = above
+        .iter()
+        .map(|&v| {
+            let [x, y, height] = mesh.vertices[v as usize];
+            if height <= z {
+                return v;
+            }
+            mesh.vertices.push([x, y, z]);
+            mesh.vertices.len() as u32 - 1
+        })
+        .collect();
+    band(mesh, above, &below);
+    below
+}
+
+/// A flat band `width` mm wide around a counter-clockwise loop of a plate of `size`; the loop at its outer side.
+fn widened(mesh: &mut Mesh, inner: &[u32], width: f64, size: DVec2) -> Vec<u32> {
+    // Nodes keep their neighbours: each moves straight outward, those of the corners along both axes.
+    let stretch = (size + 2.0 * width) / size;
+    let outer = inner
+        .iter()
+        .map(|&v| {
+            let [x, y, z] = mesh.vertices[v as usize];
+            let at = 0.5 * size + stretch * (DVec2::new(f64::from(x), f64::from(y)) - 0.5 * size);
+            mesh.vertices.push([at.x as f32 + 0.0, at.y as f32 + 0.0, z]);
+            mesh.vertices.len() as u32 - 1
+        })
+        .collect::<Vec<_>>();
+    band(mesh, inner, &outer);
+    outer
+}
+
+/// Two triangles between each pair of neighbours of two loops; what has no area is left out.
+fn band(mesh: &mut Mesh, from: &[u32], to: &[u32]) {
+    for k in 0..from.len() {
+        let next = (k + 1) % from.len();
+        let (a, b, c, d) = (from[k], from[next], to[k], to[next]);
+        for [p, q, r] in [[a, c, b], [b, c, d]] {
+            if p != q && q != r && r != p {
+                mesh.triangles.push([p, q, r]);
+            }
+        }
+    }
+}
+
+/// The flat underside: a fan from `middle` to a loop that is counter-clockwise seen from above.
+fn fan(mesh: &mut Mesh, rim: &[u32], middle: [f32; 3]) {
+    mesh.vertices.push(middle);
+    let hub = mesh.vertices.len() as u32 - 1;
+    mesh.triangles.extend((0..rim.len()).map(|k| [hub, rim[(k + 1) % rim.len()], rim[k]]));
+}
+
+/// Why a continuous relief has no solid body.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SheetError {
+    /// A height is infinite or not a number.
+    #[error("the relief has a height that is not a finite number")]
+    NotFinite,
+    /// The base is not below the relief, as far as an STL file can tell.
+    #[error("a base {0} mm below the lowest point cannot be told from it in an STL file: raise --thickness")]
+    Thickness(f64),
+    /// The plate is too large for nodes so near to each other.
+    #[error(
+        "nodes {step:.5} mm apart are too close for an STL file's single precision: lower --grid or the plate's size"
+    )]
+    Fine {
+        /// Distance of nodes, mm.
+        step: f64,
+    },
+    /// Triangles do not fit 32-bit counts.
+    #[error("the solid would need more triangles than an STL file can count: lower --grid or --cells")]
+    TooMany,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::slope::Slope;
+
+    fn relief(cells: [usize; 2], tilt: Slope) -> PeriodicRelief {
+        let heights = (0..25).map(|k| (k * k % 11) as f32 * 0.01).collect();
+        PeriodicRelief { nodes: 5, heights, cell: DVec2::new(2.0, 1.5), cells, tilt }
+    }
+
+    /// Volume by the divergence theorem; panics unless every directed edge has its opposite exactly once.
+    fn closed_volume(mesh: &Mesh) -> f64 {
+        let mut edges: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut volume = 0.0;
+        for (k, t) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.corners(k);
+            volume += a.dot(b.cross(c)) / 6.0;
+            for e in 0..3 {
+                *edges.entry((t[e], t[(e + 1) % 3])).or_default() += 1;
+            }
+        }
+        for (&(a, b), &count) in &edges {
+            assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "edge {a} {b}");
+        }
+        volume
+    }
+
+    #[test]
+    fn bodies_are_closed_and_as_large_as_their_prisms() {
+        for (cells, tilt, rim) in
+            [([1, 1], Slope::FLAT, 0.0), ([2, 3], Slope::new(0.05, -0.1), 0.0), ([2, 1], Slope::new(0.0, 0.1), 0.7)]
+        {
+            let relief = relief(cells, tilt);
+            let mesh = sheet_solid(&relief, 2.0, rim).unwrap();
+            let (low, _) = relief.height_range();
+            let [nx, ny] = relief.plate_nodes();
+            let prisms = (0..(nx - 1) * (ny - 1)).map(|k| {
+                let (i, j) = (k % (nx - 1), k / (nx - 1));
+                let z = |a: usize, b: usize| relief.node(i + a, j + b).z - low + 2.0;
+                (z(0, 0) + 2.0 * z(1, 0) + 2.0 * z(0, 1) + z(1, 1)) / 6.0 * relief.step().element_product()
+            });
+            let size = relief.size();
+            let rim_area = (size + 2.0 * rim).element_product() - size.element_product();
+            let expected = prisms.sum::<f64>() + 2.0 * rim_area;
+            assert!((closed_volume(&mesh) / expected - 1.0).abs() < 1e-5, "{cells:?}");
+            let (from, to) = mesh.bounds();
+            assert!((to - from).truncate().distance(size + 2.0 * rim) < 1e-5);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_refused() {
+        let plain = relief([1, 1], Slope::FLAT);
+        assert_eq!(sheet_solid(&plain, 0.0, 0.0), Err(SheetError::Thickness(0.0)));
+        assert_eq!(sheet_solid(&plain, 1e-12, 0.0), Err(SheetError::Thickness(1e-12)));
+        assert!(matches!(sheet_solid(&plain, 1e5, 0.0), Err(SheetError::Fine { .. })));
+        let tiny = PeriodicRelief { cell: DVec2::splat(1e-5), cells: [10_000, 1], ..plain.clone() };
+        assert!(matches!(sheet_solid(&tiny, 1.0, 0.0), Err(SheetError::Fine { .. })));
+        let mut broken = plain;
+        broken.heights[3] = f32::NAN;
+        assert_eq!(sheet_solid(&broken, 1.0, 0.0), Err(SheetError::NotFinite));
+    }
+}

@@ -1,0 +1,107 @@
+//! One continuous sheet over a plate of equal cells: heights at the nodes of a grid, two triangles a square.
+
+use glam::{DVec2, DVec3};
+
+use super::faceted::{Facet, FacetedRelief};
+use crate::slope::Slope;
+
+/// A periodic height grid repeated over a plate, with a mean slope of its own.
+///
+/// Every square of the grid is cut from its lower right to its upper left corner into two plane triangles: these, and
+/// no smoother surface, are the relief. The optical area's lower-left corner is x = y = 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeriodicRelief {
+    /// Nodes along each side of a cell.
+    pub nodes: usize,
+    /// Heights of one cell's nodes about its mean plane, mm, in rows of constant y, the lowest y first.
+    pub heights: Vec<f32>,
+    /// Size of a cell, mm.
+    pub cell: DVec2,
+    /// Cells along x and y.
+    pub cells: [usize; 2],
+    /// Slope of the mean plane.
+    pub tilt: Slope,
+}
+
+impl PeriodicRelief {
+    /// Distance of nodes along x and y, mm.
+    pub fn step(&self) -> DVec2 {
+        self.cell / self.nodes as f64
+    }
+
+    /// Nodes along x and y on the whole plate, both rims included.
+    pub fn plate_nodes(&self) -> [usize; 2] {
+        self.cells.map(|cells| cells * self.nodes + 1)
+    }
+
+    /// Place of node (i, j) of the plate, mm.
+    pub fn node(&self, i: usize, j: usize) -> DVec3 {
+        let n = self.nodes;
+        let at = DVec2::new(i as f64, j as f64) * self.step();
+        let height = f64::from(self.heights[j % n * n + i % n]);
+        at.extend(height + self.tilt.to_vec().dot(at - 0.5 * self.size()))
+    }
+
+    /// Size of the optical area, mm.
+    pub fn size(&self) -> DVec2 {
+        self.cell * DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
+    }
+
+    /// Lowest and highest point, mm.
+    pub fn height_range(&self) -> (f64, f64) {
+        let [nx, ny] = self.plate_nodes();
+        (0..nx * ny)
+            .map(|k| self.node(k % nx, k / nx).z)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(z), r.1.max(z)))
+    }
+
+    /// A plane for each square, through the middles of its four sides: for pictures and height maps.
+    pub fn faceted(&self) -> FacetedRelief {
+        let [columns, rows] = self.plate_nodes().map(|n| n - 1);
+        let step = self.step();
+        let facets = (0..columns * rows)
+            .map(|k| {
+                let (i, j) = (k % columns, k / columns);
+                let [z00, z10, z01, z11] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.node(i + a, j + b).z);
+                let slope = DVec2::new(z10 - z00 + z11 - z01, z01 - z00 + z11 - z10) / (2.0 * step);
+                Facet { height: 0.25 * (z00 + z10 + z01 + z11), slope: Slope::from_vec(slope) }
+            })
+            .collect();
+        FacetedRelief::uniform(columns, rows, self.size(), facets)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tilted_plane_is_one_plane_over_all_cells() {
+        let relief = PeriodicRelief {
+            nodes: 4,
+            heights: vec![0.5; 16],
+            cell: DVec2::new(2.0, 1.0),
+            cells: [3, 2],
+            tilt: Slope::new(0.1, -0.2),
+        };
+        assert_eq!((relief.plate_nodes(), relief.size()), ([13, 9], DVec2::new(6.0, 2.0)));
+        let (low, high) = relief.height_range();
+        assert!((low - 0.0).abs() < 1e-12 && (high - 1.0).abs() < 1e-12, "{low} {high}");
+        let planes = relief.faceted();
+        assert_eq!((planes.columns(), planes.rows()), (12, 8));
+        for facet in &planes.facets {
+            assert!((facet.slope.to_vec() - relief.tilt.to_vec()).length() < 1e-12);
+        }
+        assert!((planes.plane_height(5, 3, DVec2::new(1.0, 1.0)) - (0.5 + 0.1 * (1.0 - 3.0))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn cells_repeat() {
+        let heights: Vec<f32> = (0..9).map(|k| (k * k % 7) as f32).collect();
+        let relief = PeriodicRelief { nodes: 3, heights, cell: DVec2::ONE, cells: [2, 2], tilt: Slope::FLAT };
+        for (i, j) in [(0, 0), (1, 2), (2, 1)] {
+            assert_eq!(relief.node(i, j).z, relief.node(i + 3, j).z);
+            assert_eq!(relief.node(i, j).z, relief.node(i + 3, j + 3).z);
+        }
+    }
+}

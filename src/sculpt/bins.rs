@@ -1,0 +1,96 @@
+//! Bins over the slope plane: light is laid into them bilinearly, and read back from a potential in the same way.
+
+use glam::DMat2;
+
+use super::target::SlopeTarget;
+
+/// Where slopes fall among the bins of a target.
+#[derive(Clone, Copy, Debug)]
+pub struct Bins {
+    /// Bins a side.
+    pub side: usize,
+    middle: [f32; 2],
+    /// Bins along x and y per unit of slope p and q, columns p and q.
+    per_slope: [[f32; 2]; 2],
+    last: f32,
+}
+
+/// A place among the bins; the rim stops whatever lies beyond it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// In bins along x.
+    pub x: f32,
+    /// In bins along y.
+    pub y: f32,
+}
+
+impl Bins {
+    /// The bins of `target`.
+    pub fn new(target: &SlopeTarget) -> Self {
+        let DMat2 { x_axis, y_axis } = target.per_slope;
+        Self {
+            side: target.side,
+            middle: [target.middle.x as f32, target.middle.y as f32],
+            per_slope: [[x_axis.x as f32, x_axis.y as f32], [y_axis.x as f32, y_axis.y as f32]],
+            last: target.side as f32 - 1.001,
+        }
+    }
+
+    /// The place of a slope relative to the mean.
+    #[inline]
+    pub fn place(&self, p: f32, q: f32) -> Place {
+        let [[xp, yp], [xq, yq]] = self.per_slope;
+        Place { x: self.middle[0] + xp * p + xq * q, y: self.middle[1] + yp * p + yq * q }
+    }
+
+    /// A gradient over bins as one over slopes.
+    #[inline]
+    pub fn to_slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [[xp, yp], [xq, yq]] = self.per_slope;
+        [xp * x + yp * y, xq * x + yq * y]
+    }
+
+    #[inline]
+    fn corner(&self, at: Place) -> (usize, f32, f32) {
+        // Written so that what is not a number lands at the rim.
+        let (x, y) = (at.x.max(0.0).min(self.last), at.y.max(0.0).min(self.last));
+        let (i, j) = (x as usize, y as usize);
+        (j * self.side + i, x - i as f32, y - j as f32)
+    }
+
+    /// Lays `mass` into the four bins around a place.
+    #[inline]
+    pub fn lay(&self, light: &mut [f32], at: Place, mass: f32) {
+        let (k, a, b) = self.corner(at);
+        let (upper, lower) = (mass * b, mass - mass * b);
+        let four = &mut light[k..k + self.side + 2];
+        four[0] += lower - lower * a;
+        four[1] += lower * a;
+        four[self.side] += upper - upper * a;
+        four[self.side + 1] += upper * a;
+    }
+
+    /// The potential at a place, and its gradient in bins.
+    #[inline]
+    pub fn read(&self, potential: &[f32], at: Place) -> (f32, [f32; 2]) {
+        let (k, a, b) = self.corner(at);
+        let four = &potential[k..k + self.side + 2];
+        let [p00, p10, p01, p11] = [four[0], four[1], four[self.side], four[self.side + 1]];
+        let (lower, upper) = (p00 + a * (p10 - p00), p01 + a * (p11 - p01));
+        let along = (1.0 - b) * (p10 - p00) + b * (p11 - p01);
+        (lower + b * (upper - lower), [along, upper - lower])
+    }
+
+    /// Midpoints of even pieces of the way from one place to another, each with its share of the way.
+    pub fn walk(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
+        // About two bins a piece: potentials are smooth over as many, and so is light that is seen through a blur.
+        let pieces = (0.5 * dx.abs().max(dy.abs()) + 1.0).min(2.0 * self.side as f32) as usize;
+        let each = 1.0 / pieces as f32;
+        let points = (0..pieces).map(move |k| {
+            let t = (k as f32 + 0.5) * each;
+            (t, Place { x: from.x + t * dx, y: from.y + t * dy })
+        });
+        (pieces, points)
+    }
+}

@@ -1,0 +1,165 @@
+//! Douglas-Rachford rounds between two wishes: that the slopes are the wanted ones, whatever their places, and that they
+//! are the slopes of a relief that the cutter can make.
+//!
+//! The first is met by sliced matching (Pitié, Kokaram, Dahyot 2007): along a direction, the k-th largest slope moves
+//! toward the k-th largest wanted one. The second by the heights nearest in the least squares, and their closing.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use crate::fourier::frequency;
+use crate::progress::Progress;
+
+use super::closing::Closing;
+use super::light::Lattice;
+use super::waves::Waves;
+
+/// Crossed pairs of directions in one matching.
+const PAIRS: usize = 3;
+
+/// Share of the way that slopes go in one matching along one direction.
+const STEP: f64 = 0.7;
+
+/// Exchanges between the two wishes on one lattice.
+pub struct Matching {
+    lattice: Lattice,
+    waves: Waves,
+    poisson: Vec<f32>,
+    wanted: Vec<[f32; 2]>,
+}
+
+impl Matching {
+    /// For `wanted` slopes relative to the mean, one a square of `lattice`, in any order.
+    pub fn new(lattice: Lattice, wanted: &[DVec2]) -> Self {
+        let n = lattice.n;
+        let waves = Waves::new(n);
+        let poisson = waves.gains(|i, j| {
+            let half = |k: usize| 0.5 * frequency(k, n);
+            let (x, y) = (half(i).sin() * half(j).cos(), half(j).sin() * half(i).cos());
+            let squares = 4.0 * ((x / lattice.step.x).powi(2) + (y / lattice.step.y).powi(2));
+            // Waves whose squares are all level have no heights.
+            if squares * lattice.step.length_squared() > 1e-9 { 1.0 / squares } else { 0.0 }
+        });
+        Self { lattice, waves, poisson, wanted: wanted.iter().map(|s| [s.x as f32, s.y as f32]).collect() }
+    }
+
+    /// `rounds` exchanges from heights `z`.
+    pub fn run(&self, z: &mut Vec<f32>, closing: Option<&Closing>, rounds: usize, seed: u64, progress: &Progress) {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut slopes = self.slopes(z);
+        let mut held = slopes.clone();
+        for _ in 0..rounds {
+            if progress.is_cancelled() {
+                break;
+            }
+            // x ← x + match(2s - x) - s, s = the slopes of the relief nearest to x.
+            let mut matched: Vec<[f32; 2]> = blend(&slopes, &held, |s, x| 2.0 * s - x);
+            for _ in 0..PAIRS {
+                let angle = PI * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+                self.match_along(&mut matched, angle);
+                self.match_along(&mut matched, angle + 0.5 * PI);
+            }
+            held = blend(&blend(&held, &matched, |x, m| x + m), &slopes, |x, s| x - s);
+            *z = self.nearest_relief(&held);
+            if let Some(closing) = closing {
+                closing.close(z);
+            }
+            slopes = self.slopes(z);
+        }
+    }
+
+    fn match_along(&self, slopes: &mut [[f32; 2]], angle: f64) {
+        let (c, s) = (angle.cos() as f32, angle.sin() as f32);
+        let order = sorted(slopes, c, s);
+        let wanted = sorted(&self.wanted, c, s);
+        for (from, to) in order.iter().zip(&wanted) {
+            let slope = &mut slopes[from.1 as usize];
+            let way = STEP as f32 * (to.0 - from.0);
+            *slope = [slope[0] + way * c, slope[1] + way * s];
+        }
+    }
+
+    /// Mean slope of each square.
+    fn slopes(&self, z: &[f32]) -> Vec<[f32; 2]> {
+        let n = self.lattice.n;
+        let [x, y] = (0.5 / self.lattice.step).to_array().map(|v| v as f32);
+        (0..n * n)
+            .map(|k| {
+                let (right, top) = ((k % n + 1) % n, (k / n + 1) % n * n);
+                let (z00, z10, z01, z11) = (z[k], z[k / n * n + right], z[top + k % n], z[top + right]);
+                [x * (z10 - z00 + z11 - z01), y * (z01 - z00 + z11 - z10)]
+            })
+            .collect()
+    }
+
+    /// Heights whose squares have these mean slopes as nearly as can be: ∇ᵀ∇ z = ∇ᵀ s.
+    fn nearest_relief(&self, slopes: &[[f32; 2]]) -> Vec<f32> {
+        let n = self.lattice.n;
+        let [x, y] = (0.5 / self.lattice.step).to_array().map(|v| v as f32);
+        let mut z: Vec<f32> = (0..n * n)
+            .map(|k| {
+                let (i, j) = (k % n, k / n);
+                let (left, below) = ((i + n - 1) % n, (j + n - 1) % n * n);
+                let [a, b, c, d] = [below + left, below + i, j * n + left, k].map(|at| slopes[at]);
+                x * (a[0] + c[0] - b[0] - d[0]) + y * (a[1] + b[1] - c[1] - d[1])
+            })
+            .collect();
+        self.waves.filter(&mut z, n, &self.poisson);
+        z
+    }
+}
+
+fn blend(a: &[[f32; 2]], b: &[[f32; 2]], f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 2]> {
+    a.iter().zip(b).map(|(a, b)| [f(a[0], b[0]), f(a[1], b[1])]).collect()
+}
+
+/// Lengths along a direction in ascending order, each with its index.
+fn sorted(slopes: &[[f32; 2]], c: f32, s: f32) -> Vec<(f32, u32)> {
+    let mut order: Vec<(f32, u32)> = slopes.iter().enumerate().map(|(k, v)| (c * v[0] + s * v[1], k as u32)).collect();
+    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_come_back_from_their_slopes() {
+        let lattice = Lattice { n: 24, step: DVec2::new(0.5, 0.3) };
+        let matching = Matching::new(lattice, &[DVec2::ZERO; 576]);
+        // Without the waves that leave all squares level: the mean and the fastest.
+        let wave = |k: usize, m: f32| (std::f32::consts::TAU * m * k as f32 / 24.0).sin();
+        let z: Vec<f32> = (0..576).map(|k| wave(k % 24, 2.0) * wave(k / 24, 3.0) + wave(k / 24, 1.0)).collect();
+        let back = matching.nearest_relief(&matching.slopes(&z));
+        assert!(z.iter().zip(&back).all(|(a, b)| (a - b).abs() < 1e-4));
+    }
+
+    #[test]
+    fn slopes_come_near_those_that_a_relief_has() {
+        // Wanted are the slopes of a known relief; the start is another.
+        let n = 32;
+        let lattice = Lattice { n, step: DVec2::splat(0.1) };
+        let tau = std::f32::consts::TAU;
+        let bumps: Vec<f32> = (0..n * n)
+            .map(|k| 0.05 * ((tau * (k % n) as f32 / n as f32).cos() + (tau * (k / n) as f32 / n as f32).cos()))
+            .collect();
+        let plain = Matching::new(lattice, &vec![DVec2::ZERO; n * n]);
+        let wanted: Vec<DVec2> =
+            plain.slopes(&bumps).iter().map(|s| DVec2::new(f64::from(s[0]), f64::from(s[1]))).collect();
+        let matching = Matching::new(lattice, &wanted);
+        let mut z: Vec<f32> = (0..n * n).map(|k| 0.02 * ((k * 7 % 13) as f32 - 6.0) / 13.0).collect();
+        let spread = |slopes: &[[f32; 2]], power: i32| {
+            slopes.iter().map(|s| f64::from(s[0].hypot(s[1]).powi(power))).sum::<f64>() / (n * n) as f64
+        };
+        matching.run(&mut z, None, 40, 1, &Progress::silent());
+        let (got, asked) = (matching.slopes(&z), &matching.wanted);
+        for power in [2, 4] {
+            assert!((spread(&got, power) / spread(asked, power) - 1.0).abs() < 0.1, "{power}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! First reliefs, from which the design descends: which one suits depends on the picture, so several are tried.
+
+use glam::DVec2;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::fourier::frequency;
+
+use super::light::Lattice;
+use super::waves::Waves;
+
+/// A shape to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// A cone in each cell, for shapes in one piece.
+    Cone,
+    /// Two crossed roofs, for letters.
+    Roof,
+    /// Random hills, this many to a side of the cell, for photographs.
+    Hills(u32),
+}
+
+impl Start {
+    /// Heights, mm, whose slopes have about the root mean squares `spread` along x and y.
+    pub fn heights(self, lattice: Lattice, spread: DVec2, seed: u64) -> Vec<f32> {
+        let n = lattice.n;
+        let side = lattice.step * n as f64;
+        let at = |k: usize| side * (DVec2::new((k % n) as f64 + 0.5, (k / n) as f64 + 0.5) / n as f64 - 0.5);
+        match self {
+            Self::Cone => (0..n * n)
+                .map(|k| {
+                    let rounding = (0.003 * side * spread).length();
+                    (-1.4 * (spread * at(k)).length().hypot(rounding)) as f32
+                })
+                .collect(),
+            Self::Roof => (0..n * n).map(|k| -(spread * at(k).abs()).element_sum() as f32).collect(),
+            Self::Hills(hills) => {
+                let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ u64::from(hills));
+                let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                let mut z: Vec<f32> = (0..n * n).map(|_| unit() as f32).collect();
+                let waves = Waves::new(n);
+                let gains = waves.gains(|i, j| {
+                    let k = frequency(i, n).hypot(frequency(j, n)) * n as f64 / std::f64::consts::TAU;
+                    (-(k - f64::from(hills)).powi(2) / (2.0 * 0.7 * 0.7)).exp()
+                });
+                waves.filter(&mut z, n, &gains);
+                let squares = |dx: usize, dy: usize, step: f64| {
+                    let change = |k: usize| z[(k / n + dy) % n * n + (k % n + dx) % n] - z[k];
+                    let sum: f64 = (0..n * n).map(|k| f64::from(change(k)).powi(2)).sum();
+                    sum / (n * n) as f64 / (step * step)
+                };
+                let slope = (squares(1, 0, lattice.step.x) + squares(0, 1, lattice.step.y)).sqrt();
+                let scale = if slope > 0.0 { spread.length() / slope } else { 0.0 };
+                z.iter().map(|v| (f64::from(*v) * scale) as f32).collect()
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn starts_are_as_steep_as_asked_and_the_same_every_time() {
+        let lattice = Lattice { n: 64, step: DVec2::new(0.2, 0.1) };
+        let spread = DVec2::new(0.05, 0.08);
+        for start in [Start::Cone, Start::Roof, Start::Hills(2), Start::Hills(4)] {
+            let z = start.heights(lattice, spread, 7);
+            let steepness = |dx: usize, dy: usize, step: f64| {
+                let change = |k: usize| f64::from(z[(k / 64 + dy) % 64 * 64 + (k % 64 + dx) % 64] - z[k]) / step;
+                (0..4096).map(|k| change(k).powi(2)).sum::<f64>() / 4096.0
+            };
+            let slope = (steepness(1, 0, 0.2) + steepness(0, 1, 0.1)).sqrt();
+            assert!((slope / spread.length() - 1.0).abs() < 0.25, "{start:?}: {slope}");
+            assert_eq!(z, start.heights(lattice, spread, 7));
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! The wanted slopes on a plane where lengths are degrees of the highlight image.
+//!
+//! The image of a slope is nearly a linear map of it: laid out by its derivative at the mean slope, a step on the plane
+//! is the step in degrees that the eye sees near the middle of the picture, and triangles of a relief fall on it by four
+//! multiplications. Pixels of the drawing are carried over by the exact map, in pieces smaller than a bin.
+
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+use crate::distribution::Distribution;
+use crate::projection::View;
+use crate::raster::Raster;
+use crate::slope::Slope;
+
+/// Dark degrees around the picture, so that what strays is pulled back.
+const MARGIN: f64 = 4.0;
+
+/// Bins a side at the most; wide pictures get wider bins.
+const MOST_BINS: usize = 640;
+
+/// Light landing on the slope plane: mass at a place in degrees relative to that of the mean slope.
+#[derive(Clone, Copy, Debug)]
+struct Mote {
+    at: DVec2,
+    mass: f64,
+}
+
+/// What slopes a relief shall have, ready to be binned as finely as a stage of the design needs.
+pub struct SlopePlane {
+    motes: Vec<Mote>,
+    degrees: DMat2,
+    low: DVec2,
+    extent: f64,
+}
+
+/// The wanted share of the plate's area in each of `side` × `side` bins, and where slopes fall among them.
+pub struct SlopeTarget {
+    /// Bins a side.
+    pub side: usize,
+    /// Width of a bin, degrees.
+    pub bin: f64,
+    /// Shares, rows along the first axis, sum 1; a bin's share is that of a tent two bins wide around its middle.
+    pub wanted: Vec<f32>,
+    /// Bins per unit of slope.
+    pub per_slope: DMat2,
+    /// Bin coordinates of the mean slope; bin k has its middle at k.
+    pub middle: DVec2,
+}
+
+impl SlopePlane {
+    /// Carries the footprints of `distribution` over in pieces no wider than `finest` degrees.
+    ///
+    /// `None` if the mean slope has no image or its neighbourhood no extent.
+    pub fn new(distribution: &Distribution, finest: f64) -> Option<Self> {
+        let setup = &distribution.setup;
+        let per_degree = setup.view().blur_pixels(1f64.to_radians(), 2);
+        let mean = distribution.mean.to_vec();
+        let image = |s: DVec2| setup.image_of_slope(Slope::from_vec(s));
+        let derivative = |step: DVec2| Some((image(mean + step)? - image(mean - step)?) / (2e-5 * per_degree));
+        let degrees = DMat2::from_cols(derivative(DVec2::X * 1e-5)?, derivative(DVec2::Y * 1e-5)?);
+        let determinant = degrees.determinant().abs();
+        if !(determinant > 1e-6 && determinant.is_finite()) {
+            return None;
+        }
+        let Raster { width, height, ref values } = distribution.footprint;
+        let pixel = 2.0 / (width.min(height) as f64 * per_degree);
+        let pieces = ((pixel / finest).ceil() as usize).clamp(1, 64);
+        let share = 1.0 / (pieces * pieces) as f64;
+        let motes: Vec<Mote> = (0..width * height)
+            .into_par_iter()
+            .filter(|k| values[*k] > 0.0)
+            .flat_map_iter(|k| {
+                let (column, row) = (k % width * pieces, k / width * pieces);
+                (0..pieces * pieces).filter_map(move |piece| {
+                    let (x, y) = (column + piece % pieces, row + piece / pieces);
+                    let slope = setup.slope_at(View::pixel_centre(x, y, width * pieces, height * pieces))?;
+                    Some(Mote { at: degrees * (slope.to_vec() - mean), mass: share * values[k] })
+                })
+            })
+            .collect();
+        let range = motes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |r, m| (r.0.min(m.at), r.1.max(m.at)));
+        let extent = (range.1 - range.0).max_element() + 2.0 * MARGIN;
+        let low = 0.5 * (range.0 + range.1) - 0.5 * extent;
+        (extent.is_finite() && low.is_finite()).then_some(Self { motes, degrees, low, extent })
+    }
+
+    /// The target in bins `bin` degrees wide, or wider if they would be too many.
+    pub fn target(&self, bin: f64) -> SlopeTarget {
+        let bin = bin.max(self.extent / (MOST_BINS - 2) as f64);
+        let side = (self.extent / bin).ceil() as usize + 2;
+        let mut wanted = vec![0.0f64; side * side];
+        for mote in &self.motes {
+            let at = (mote.at - self.low) / bin;
+            let (i, j) = (at.x as usize, at.y as usize);
+            let (a, b) = (at.x - i as f64, at.y - j as f64);
+            let place = &mut wanted[j * side + i..];
+            place[0] += mote.mass * (1.0 - a) * (1.0 - b);
+            place[1] += mote.mass * a * (1.0 - b);
+            place[side] += mote.mass * (1.0 - a) * b;
+            place[side + 1] += mote.mass * a * b;
+        }
+        let total: f64 = wanted.iter().sum();
+        SlopeTarget {
+            side,
+            bin,
+            wanted: wanted.iter().map(|w| (w / total) as f32).collect(),
+            per_slope: self.degrees * (1.0 / bin),
+            middle: -self.low / bin,
+        }
+    }
+
+    /// Degrees of the image per unit of slope, at the mean slope.
+    pub fn degrees(&self) -> DMat2 {
+        self.degrees
+    }
+
+    /// `n` slopes relative to the mean that stand for the target, equal shares each, in no particular order.
+    pub fn samples(&self, n: usize) -> Vec<DVec2> {
+        let back = self.degrees.inverse();
+        let total: f64 = self.motes.iter().map(|m| m.mass).sum();
+        let (mut mass, mut next) = (0.0, 0);
+        let mut samples = Vec::with_capacity(n);
+        for mote in &self.motes {
+            mass += mote.mass / total;
+            while next < n && (next as f64 + 0.5) / (n as f64) <= mass {
+                samples.push(back * mote.at);
+                next += 1;
+            }
+        }
+        let last = samples.last().copied().unwrap_or(DVec2::ZERO);
+        samples.resize(n, last);
+        samples
+    }
+
+    /// Root of the mean square of the slopes about their mean, along x and y.
+    pub fn spread(&self) -> DVec2 {
+        let back = self.degrees.inverse();
+        let (sum, mass) = self.motes.iter().fold((DVec2::ZERO, 0.0), |(sum, mass), mote| {
+            let slope = back * mote.at;
+            (sum + mote.mass * slope * slope, mass + mote.mass)
+        });
+        let mean = sum / mass;
+        DVec2::new(mean.x.sqrt(), mean.y.sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::distribution::DistributionSettings;
+    use crate::highlight::{Highlight, Quantity};
+    use crate::projection::Projection;
+    use crate::setup::Setup;
+
+    fn plane(theta: f64) -> (Distribution, SlopePlane) {
+        let setup = Setup::new(theta, 0.4, 0.0, Projection::Equidistant, f64::to_radians(20.0));
+        let light = Raster::from_fn(40, 40, |x, y| if x > 8 && y < 30 { 1.0 + x as f64 } else { 0.0 });
+        let highlight = Highlight::new(&light, Quantity::Flux, &setup).unwrap();
+        let wanted = Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap();
+        let plane = SlopePlane::new(&wanted, 0.25).unwrap();
+        (wanted, plane)
+    }
+
+    #[test]
+    fn at_normal_incidence_a_tilt_of_one_degree_is_two_degrees_away() {
+        let (_, plane) = plane(0.0);
+        let step = plane.degrees() * DVec2::new(f64::to_radians(1.0), 0.0);
+        // Toward -x, as a climb toward +x throws light; the mean slope is not quite zero, nor the map quite linear.
+        assert!((step.x + 2.0).abs() < 0.1 && step.y.abs() < 0.1, "{step}");
+    }
+
+    #[test]
+    fn bins_hold_the_drawing_and_its_mean_lies_at_the_mean_slope() {
+        for theta in [0.0, 0.9] {
+            let (wanted, plane) = plane(theta);
+            for bin in [0.125, 0.5] {
+                let target = plane.target(bin);
+                assert_eq!(target.wanted.len(), target.side * target.side);
+                let (mut sum, mut mean) = (0.0, DVec2::ZERO);
+                for (k, w) in target.wanted.iter().enumerate() {
+                    sum += f64::from(*w);
+                    mean += f64::from(*w) * DVec2::new((k % target.side) as f64, (k / target.side) as f64);
+                }
+                assert!((sum - 1.0).abs() < 1e-5);
+                // Pieces of a pixel have other means than pixels, by little.
+                assert!((mean - target.middle).length() * target.bin < 0.02, "{mean} {}", target.middle);
+            }
+            let spread = plane.spread();
+            assert!((spread.length() / wanted.spread - 1.0).abs() < 0.01);
+            let samples = plane.samples(5000);
+            let mean: DVec2 = samples.iter().sum::<DVec2>() / 5000.0;
+            assert!(samples.len() == 5000 && mean.length() < 0.01 * wanted.spread);
+        }
+    }
+}
