@@ -108,7 +108,14 @@ pub fn measure(
         ),
         row("noise", format!("{:.2} %", 100.0 * error / radiance.max(f64::MIN_POSITIVE)), "of a pixel, on average"),
     ];
-    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "look.png" })
+    let mut notes = Vec::new();
+    if bench.lamp.is_point() && bench.material.is_smooth() {
+        let material = &bench.material;
+        notes.push(format!(
+            "A lamp without size is seen nowhere in smooth {material}: only its surroundings are. Give --light-radius."
+        ));
+    }
+    Ok(Outcome { facts, rows, notes, look_at: "look.png" })
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
