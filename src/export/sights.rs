@@ -85,10 +85,10 @@ pub fn wall_page(thrown: &Thrown, throw: &Throw, exposure: &Exposure) -> RgbImag
         format!("wall at {wall} mm{tilt}, {side} · {lamp} · scale in mm"),
         format!("blurred by the plate over {pu} × {pv} mm ({a}°) · by the lamp over {lu} × {lv} mm ({b}°)"),
         format!(
-            "white is {} × the irradiance on the plate · {} ± {} % of its light lands here",
+            "white is {} × the irradiance on the plate · {:.2} ± {:.2} % of its light lands here",
             digits(white),
-            number(100.0 * landed),
-            digits(100.0 * error)
+            100.0 * landed,
+            100.0 * error
         ),
     ];
     let mut page = Page::new(&grey, &exposure.heading, &notes, true);

@@ -96,6 +96,23 @@ impl Tally {
         }
     }
 
+    /// Half of all light, of as many rays.
+    fn halve(&mut self) {
+        let figures = [
+            &mut self.incident,
+            &mut self.up_single,
+            &mut self.up_multi,
+            &mut self.outside_image,
+            &mut self.escaped_down,
+            &mut self.absorbed,
+            &mut self.taken,
+            &mut self.trapped,
+            &mut self.backface,
+            &mut self.first_hit_wall,
+        ];
+        figures.into_iter().chain(&mut self.image.values).for_each(|light| *light *= 0.5);
+    }
+
     /// Share of incident light that leaves upward.
     pub fn up(&self) -> f64 {
         (self.up_single + self.up_multi) / self.incident
@@ -140,13 +157,21 @@ impl Measurement {
     pub fn of_parts(parts: Vec<Tally>) -> Option<Self> {
         let mut whole = Tally::empty(parts.first()?.size());
         parts.iter().for_each(|part| whole.add(part, 1.0));
+        // Where closed forms gave light and rays took all of it back, rounding stays: far less than any ray, of either sign.
+        let rounding = 1e-13 * whole.incident;
+        whole.image.values.iter_mut().filter(|light| light.abs() < rounding).for_each(|light| *light = 0.0);
         (whole.incident > 0.0).then_some(Self { whole, parts })
     }
 
-    /// Adds the light of another measurement with as many pixels, made with other random numbers.
+    /// Takes in another measurement of the same by as many rays, made with other random numbers: of the light the mean,
+    /// so that mm² of light stay what one of them would have, and of rays the sum.
     pub fn merge(&mut self, other: &Self) {
-        self.whole.add(&other.whole, 1.0);
-        self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| part.add(more, 1.0));
+        let mean = |tally: &mut Tally, more: &Tally| {
+            tally.add(more, 1.0);
+            tally.halve();
+        };
+        mean(&mut self.whole, &other.whole);
+        self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| mean(part, more));
     }
 
     /// The whole without part `k`, for k below [`parts`](Self::parts).

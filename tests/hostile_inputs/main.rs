@@ -5,6 +5,7 @@
 mod program;
 
 mod flags;
+mod measure;
 mod outputs;
 mod pictures;
 mod plates;

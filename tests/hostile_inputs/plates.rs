@@ -7,7 +7,7 @@ use crate::program::run;
 
 type Triangle = [[f32; 3]; 3];
 
-fn stl(triangles: &[Triangle]) -> Vec<u8> {
+pub fn stl(triangles: &[Triangle]) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend((triangles.len() as u32).to_le_bytes());
     for triangle in triangles {
@@ -19,7 +19,7 @@ fn stl(triangles: &[Triangle]) -> Vec<u8> {
 }
 
 /// A closed box from the origin, faces outward.
-fn block([x, y, z]: [f32; 3]) -> Vec<Triangle> {
+pub fn block([x, y, z]: [f32; 3]) -> Vec<Triangle> {
     let corner = |k: usize| [(k & 1) as f32 * x, (k >> 1 & 1) as f32 * y, (k >> 2) as f32 * z];
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).map(|t| t.map(corner)).collect()
@@ -29,7 +29,7 @@ fn turned(triangles: &[Triangle]) -> Vec<Triangle> {
     triangles.iter().map(|&[a, b, c]| [a, c, b]).collect()
 }
 
-fn moved(triangles: &[Triangle], by: [f32; 3]) -> Vec<Triangle> {
+pub fn moved(triangles: &[Triangle], by: [f32; 3]) -> Vec<Triangle> {
     triangles.iter().map(|t| t.map(|v| [v[0] + by[0], v[1] + by[1], v[2] + by[2]])).collect()
 }
 

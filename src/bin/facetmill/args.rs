@@ -47,11 +47,17 @@ Examples:
     Verify(Box<VerifyArgs>),
     /// Measure what light does on a plate: highlight, BRDF, normals, a wall, or what a person sees
     ///
-    /// PLATE is any closed STL, or the folder of a design, whose light and field are then the defaults. Pictures come
-    /// with all their digits (32-bit float TIFF) and a standard error for each pixel; report.json has the figures.
+    /// Light is sent over the plate ray by ray, with every bounce, shadow and loss. By itself this measures the
+    /// highlight of one lamp: highlight.png, highlight.tiff with all digits (shares of the light that leaves upward,
+    /// 32-bit float) and highlight_error.tiff (the standard error of each pixel). report.json always holds the figures.
+    /// One of --brdf, --ndf, --wall and --look measures something else instead.
+    ///
+    /// PLATE is any closed STL, or the folder of a design, whose lamp and field are then the defaults; a --level design
+    /// is lit as mounted. Lengths are in mm, angles in degrees; --light-radius 0.2665 is the sun.
     #[command(after_help = "\
 Examples:
   facetmill measure ring -o seen --material aluminium:ggx:0.05       the highlight that worn aluminium shows
+  facetmill measure ring -o fine --light-radius 0.2665 --error 0.002   under the sun, to a stated error
   facetmill measure ring -o brdf --brdf --material brass:ggx:0.1     .bsdf for Mitsuba, CSV, polar slices, maps
   facetmill measure ring/plate.stl -o normals --ndf                  slopes, and how much is hidden from where
   facetmill measure ring -o wall --wall 1000 --lamp-distance 1500 --lamp-radius 5

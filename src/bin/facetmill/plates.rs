@@ -1,5 +1,6 @@
 //! Plates from files: an STL, or the folder of a design.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use facetmill::export::stl::{open_edges, read_stl};
@@ -113,18 +114,69 @@ pub fn named(path: &Path) -> Result<Named, Failure> {
             "{name}: no plate.stl stands in this folder; name an STL or a design's folder"
         )));
     }
-    let recipe = match path.join("recipe.toml") {
-        file if file.exists() => inputs::recipe(&file)?,
+    let recipe = match path.join(RECIPE) {
+        file if file.exists() => {
+            let recipe = inputs::recipe(&file)?;
+            recipe.check().map_err(|error| Failure::Input(format!("{}: {error}", file.display())))?;
+            recipe
+        }
         _ => Recipe::default(),
     };
-    Ok(Named { stl, recipe, mount: mount_of(&path.join("report.json")) })
+    let report = path.join("report.json");
+    let mount = if report.exists() { mount_of(&report)? } else { None };
+    if recipe.design.distribution.level && mount.is_none() {
+        return Err(Failure::Input(format!(
+            "{}: a design with level = true tells here how its plate is mounted, and this does not; \
+             name the STL itself to light it unmounted",
+            report.display()
+        )));
+    }
+    Ok(Named { stl, recipe, mount })
 }
 
+/// What shows that a folder is a design's.
+const RECIPE: &str = "recipe.toml";
+
+/// Largest report read, bytes.
+const LARGEST_REPORT: u64 = 16 << 20;
+
 /// The mounting angles that a design's report tells, if the plate is to be mounted tilted.
-fn mount_of(report: &Path) -> Option<DVec3> {
-    let text = std::fs::read_to_string(report).ok()?;
-    let design = serde_json::from_str::<Value>(&text).ok()?["design"].take();
-    let [theta, phi] = ["mount_theta_deg", "mount_phi_deg"].map(|key| design[key].as_f64());
-    let (theta, phi) = (theta?, phi?);
-    (theta > 0.0 && theta <= 80.0 && phi.abs() <= 360.0).then(|| direction(theta.to_radians(), phi.to_radians()))
+fn mount_of(path: &Path) -> Result<Option<DVec3>, Failure> {
+    let broken = |what: String| {
+        Failure::Input(format!(
+            "{}: this is no report of a design ({what}); restore it, or name the STL itself",
+            path.display()
+        ))
+    };
+    let mut text = String::new();
+    let read = inputs::open(path)?.take(LARGEST_REPORT).read_to_string(&mut text);
+    read.map_err(|error| broken(error.to_string()))?;
+    let mut report: Value = serde_json::from_str(&text).map_err(|error| broken(error.to_string()))?;
+    let Some(design) = report.get_mut("design").map(Value::take) else { return Ok(None) };
+    let Some(theta) = design.get("mount_theta_deg").filter(|angle| !angle.is_null()) else { return Ok(None) };
+    let angle = |value: Option<&Value>, most: f64| value.and_then(Value::as_f64).filter(|angle| angle.abs() <= most);
+    match (angle(Some(theta), 80.0), angle(design.get("mount_phi_deg"), 360.0)) {
+        (Some(theta), Some(phi)) if theta >= 0.0 => Ok(Some(direction(theta.to_radians(), phi.to_radians()))),
+        _ => Err(broken("mount_theta_deg and mount_phi_deg are no angles at which a plate is mounted".into())),
+    }
+}
+
+/// Refuses to measure into the very folder of the design: its report, which tells of the plate, would be replaced.
+pub fn spare_design(plate: &Path, output: &Path) -> Result<(), Failure> {
+    let folder = |path: &Path| path.canonicalize().ok();
+    let home =
+        folder(plate).and_then(|plate| if plate.is_dir() { Some(plate) } else { plate.parent().map(Into::into) });
+    match (home, folder(output)) {
+        (Some(home), Some(output)) if home == output && home.join(RECIPE).exists() => Err(Failure::Usage(format!(
+            "-o {} is the design's own folder, whose report.json would be lost: choose another folder",
+            output.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The last part of a path, as a heading says it.
+pub fn name(path: &Path) -> String {
+    let last = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    last(path).or_else(|| last(&path.canonicalize().ok()?)).unwrap_or_else(|| path.display().to_string())
 }

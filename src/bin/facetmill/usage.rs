@@ -18,7 +18,7 @@ pub fn answer(error: &clap::Error) -> u8 {
         }
         _ => {
             let words: Vec<_> = std::env::args_os().skip(1).collect();
-            let command = words.iter().find(|word| *word == "design" || *word == "verify");
+            let command = words.iter().find(|word| ["design", "verify", "measure"].iter().any(|name| *word == name));
             let help = command.map_or(String::new(), |command| format!(" {}", command.display()));
             let sentence = format!("{}; see 'facetmill{help} --help'", sentence(&error.render().to_string()));
             report_failure(&Failure::Usage(sentence), words.iter().any(|word| word == "--json"))

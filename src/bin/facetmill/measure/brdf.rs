@@ -80,7 +80,7 @@ pub fn measure(
         Err(error @ MerlError::Anisotropic { .. }) => notes.push(format!("No brdf.binary was written: {error}.")),
         Err(error) => return Err(Failure::Impossible(format!("brdf.binary: {error}"))),
     }
-    let heading = format!("BRDF of {}, {}", args.plate.display(), bench.material);
+    let heading = format!("BRDF of {}, {}", bench.name, bench.material);
     let drawn = DRAWN.map(f64::to_radians);
     write_png(staged, "slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
     let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };
@@ -134,13 +134,13 @@ pub fn measure(
     Ok(Outcome { facts, rows, notes, look_at: "slices.png" })
 }
 
-fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
+pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
     let polar = args.polar.unwrap_or(12);
     let azimuths = args.azimuths.unwrap_or(16);
     let [columns, rows] = args.half_vectors.unwrap_or([128, 64]);
-    for (flag, value, most) in [("polar", polar, 180), ("azimuths", azimuths, 360)] {
-        if !(1..=most).contains(&value) {
-            return Err(Failure::Usage(format!("--{flag} is {value}: it must be from 1 to {most}")));
+    for (flag, value, least, most) in [("polar", polar, 2, 180), ("azimuths", azimuths, 1, 360)] {
+        if !(least..=most).contains(&value) {
+            return Err(Failure::Usage(format!("--{flag} is {value}: it must be from {least} to {most}")));
         }
     }
     let nodes = BrdfAxes::polar_nodes(polar, f64::to_radians(GRAZING));
@@ -156,8 +156,16 @@ fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
             axes.slices() * axes.cells()
         )));
     }
+    if axes.cells() > MOST_CELLS_EACH {
+        return Err(Failure::Usage(format!(
+            "--half-vectors is {columns}x{rows}: at most {MOST_CELLS_EACH} cells are measured for each direction of light"
+        )));
+    }
     Ok(axes)
 }
+
+/// Cells for one direction of light, of which every part of the measurement holds its own: 2 GB in memory.
+const MOST_CELLS_EACH: usize = 16_777_216;
 
 /// Cells of a table: 1 GB in memory.
 const MOST_CELLS: usize = 128_000_000;

@@ -28,20 +28,28 @@ impl Task for Lit<'_> {
     }
 }
 
-/// Name, meaning and value of something that light can come to, as a share of incident light.
-type Share = (&'static str, &'static str, fn(&Tally) -> f64);
+/// Key, name, meaning and value of something that light can come to, as a share of incident light.
+type Share = (&'static str, &'static str, &'static str, fn(&Tally) -> f64);
 
 /// Everything that light can come to.
 const SHARES: [Share; 9] = [
-    ("up", "of the light leaves upward", |t| t.up()),
-    ("up_single", "after one bounce", |t| t.up_single / t.incident),
-    ("up_multi", "after more", |t| t.up_multi / t.incident),
-    ("outside_image", "of the light leaves upward beside the image", |t| t.outside_image / t.incident),
-    ("taken", "is taken by the material", |t| t.taken / t.incident),
-    ("escaped_down", "leaves downward past the edges", |t| t.escaped_down / t.incident),
-    ("absorbed", "meets the plate's outer sides", |t| t.absorbed / t.incident),
-    ("trapped", "wants more bounces than were followed", |t| t.trapped / t.incident),
-    ("first_hit_wall", "meets a wall first", |t| t.first_hit_wall / t.incident),
+    ("up", "reflected", "of the light leaves upward", |t| t.up()),
+    ("up_single", "by one bounce", "of the light leaves upward after it", |t| t.up_single / t.incident),
+    ("up_multi", "by more", "of the light leaves upward after two bounces or more", |t| t.up_multi / t.incident),
+    ("outside_image", "beside image", "of the light leaves upward past the image's rim", |t| {
+        t.outside_image / t.incident
+    }),
+    ("taken", "absorbed", "of the light is taken by the material", |t| t.taken / t.incident),
+    ("escaped_down", "past edges", "of the light leaves downward past the plate's edges", |t| {
+        t.escaped_down / t.incident
+    }),
+    ("absorbed", "on the sides", "of the light meets the plate's outer sides, which are black", |t| {
+        t.absorbed / t.incident
+    }),
+    ("trapped", "trapped", "of the light wants more bounces than were followed", |t| t.trapped / t.incident),
+    ("first_hit_wall", "on walls first", "of the light meets a step between facets first", |t| {
+        t.first_hit_wall / t.incident
+    }),
 ];
 
 pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
@@ -57,7 +65,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     staged.write("highlight.tiff", |out| write_float_tiff(&image, out))?;
     staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
 
-    let errors = measurement.standard_errors(|tally| SHARES.map(|(_, _, share)| share(tally)));
+    let errors = measurement.standard_errors(|tally| SHARES.map(|(_, _, _, share)| share(tally)));
     let mut shares = Map::new();
     let mut share_errors = Map::new();
     let mut rows = vec![
@@ -69,17 +77,17 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
         row("rays", rays(whole.rays), "traced"),
         row(
             "image noise",
-            format!("{noise:.5}"),
-            "expected total variation of the unblurred image from the rays alone",
+            format!("{:.3} %", 100.0 * noise),
+            "of the light may be in a wrong pixel by chance; more --rays, or --error",
         ),
     ];
-    for ((name, meaning, share), error) in SHARES.into_iter().zip(errors) {
+    for ((key, name, meaning, share), error) in SHARES.into_iter().zip(errors) {
         let value = share(whole);
-        shares.insert(name.into(), json!(value));
-        share_errors.insert(name.into(), json!(error));
+        shares.insert(key.into(), json!(value));
+        share_errors.insert(key.into(), json!(error));
         if value.abs() > 5e-5 {
             let figure = format!("{:.2} %", 100.0 * value);
-            rows.push(row(&name.replace('_', " "), figure, format!("{meaning} (± {:.3})", 100.0 * error)));
+            rows.push(row(name, figure, format!("{meaning} (± {:.3})", 100.0 * error)));
         }
     }
     let mut notes = Vec::new();

@@ -9,13 +9,16 @@ use facetmill::verify::look::{Look, LookError, Shape, Sight, look};
 use serde_json::json;
 
 use super::args::MeasureArgs;
-use super::{Bench, Outcome, failure};
+use super::{Bench, Outcome};
 use crate::console::{Failure, row};
 use crate::files::Staged;
 use crate::outputs::write_png;
 
 /// Paths a pixel, unless --rays says how many in all.
 const PATHS: u64 = 256;
+
+/// Paths a pixel at the most.
+const MOST_PATHS: u64 = 1 << 24;
 
 struct Looker<'a> {
     bench: &'a Bench,
@@ -47,6 +50,11 @@ pub fn measure(
         Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
     };
     let paths = args.running.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    if paths > MOST_PATHS {
+        let most = MOST_PATHS * (side * side) as u64;
+        let all = args.running.rays().unwrap_or(0);
+        return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
+    }
     let settings = Look {
         theta,
         phi,
@@ -60,10 +68,9 @@ pub fn measure(
         seed: bench.measuring.seed,
     };
     progress.stage("looking at the plate");
-    let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| failure(&error))?;
+    let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage("writing files");
-    let exposure =
-        Exposure { heading: format!("{} of {}", args.plate.display(), bench.material), ..Exposure::default() };
+    let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
     write_png(staged, "look.png", &look_page(&sight, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&sight.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&sight.errors, out))?;
@@ -101,5 +108,32 @@ pub fn measure(
         ),
         row("noise", format!("{:.2} %", 100.0 * error / radiance.max(f64::MIN_POSITIVE)), "of a pixel, on average"),
     ];
-    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "look.png" })
+    let mut notes = Vec::new();
+    if bench.lamp.is_point() && bench.material.is_smooth() {
+        let material = &bench.material;
+        notes.push(format!(
+            "A lamp without size is seen nowhere in smooth {material}: only its surroundings are. Give --light-radius."
+        ));
+    }
+    Ok(Outcome { facts, rows, notes, look_at: "look.png" })
+}
+
+/// What the library refuses although each flag by itself makes sense, with the flags that help.
+fn refused(error: &LookError, bench: &Bench) -> Failure {
+    Failure::Impossible(match error {
+        LookError::PointOnSmooth { .. } => {
+            let material = &bench.material;
+            format!(
+                "a lamp without size is seen nowhere in smooth {material}: give it a size with --light-radius 0.2665 \
+                 (the sun's), or make the plate rough with --material {material}:ggx:0.1"
+            )
+        }
+        LookError::Ends => "--wrap needs a relief that goes on without end: leave out --extent finite; \
+                            a relief that stands on no grid cannot be wrapped"
+            .into(),
+        LookError::Inside { distance } => {
+            format!("a camera {distance} mm away is inside the plate or what it is wrapped on: raise --distance")
+        }
+        error => error.to_string(),
+    })
 }

@@ -2,6 +2,7 @@
 
 pub mod args;
 mod brdf;
+mod check;
 mod highlight;
 mod look;
 mod ndf;
@@ -49,6 +50,8 @@ const FILES: &[&str] = &[
 /// All that every measurement needs, read and checked.
 struct Bench {
     opened: Opened,
+    /// Of the file or folder, without its path.
+    name: String,
     plate: Plate,
     endless: bool,
     recipe: Recipe,
@@ -66,11 +69,6 @@ impl Bench {
     }
 }
 
-/// A library's refusal of what flags asked for.
-fn failure(error: &impl std::error::Error) -> Failure {
-    Failure::Impossible(error.to_string())
-}
-
 /// What a measurement has to say, its files being written already.
 struct Outcome {
     facts: Value,
@@ -81,9 +79,10 @@ struct Outcome {
 
 /// Does what `args` say.
 pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+    check::check(args)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
-    let measuring = measuring(args, &recipe)?;
+    let measuring = measuring(args, &recipe);
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
         setup = setup.mounted(normal);
@@ -91,6 +90,7 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
             return Err(Failure::Impossible("the light is behind the plate as mounted: lower --light".into()));
         }
     }
+    plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
@@ -101,6 +101,7 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
     let bench = Bench {
         plate,
         endless,
+        name: plates::name(&args.plate),
         material: args.material.clone().unwrap_or_default(),
         lamp: lamp(args, &recipe)?,
         opened,
@@ -111,7 +112,7 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
     let outcome = if args.brdf {
         brdf::measure(args, &bench, &mut staged, &progress)?
     } else if args.ndf {
-        ndf::measure(&bench, &mut staged, &progress)?
+        ndf::measure(args, &bench, &mut staged, &progress)?
     } else if args.wall.is_some() {
         wall::measure(args, &bench, &mut staged, &progress)?
     } else if args.look {
@@ -124,7 +125,8 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         "plate": bench.opened.facts(),
         "extent": if bench.endless { "endless" } else { "finite" },
         "material": bench.material.to_string(),
-        "light": bench.recipe.light,
+        // These have their own.
+        "light": (!args.brdf && !args.ndf).then_some(&bench.recipe.light),
         "lamp": args.lamp.as_ref().map(|path| json!({
             "picture": path.to_string_lossy(),
             "half_field": args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
@@ -156,33 +158,24 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
     recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
     recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
-    recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
+    // How long and with which chance the design was proven says nothing of this measurement.
+    let usual = Recipe::default();
+    recipe.design.seed = args.seed.unwrap_or(usual.design.seed);
+    recipe.verify = usual.verify;
     args.running.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
 }
 
-fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Result<Measuring, Failure> {
-    let resolution = args.resolution.unwrap_or(256);
-    if !(16..=4096).contains(&resolution) {
-        return Err(Failure::Usage(format!("--resolution is {resolution}: it must be from 16 to 4096")));
-    }
-    let max_bounces = args.max_bounces.unwrap_or(8);
-    if !(1..=1000).contains(&max_bounces) {
-        return Err(Failure::Usage(format!("--max-bounces is {max_bounces}: it must be from 1 to 1000")));
-    }
-    if let Some(error) = args.error
-        && !(1e-6..1.0).contains(&error)
-    {
-        return Err(Failure::Usage(format!("--error is {error}: it must be from 0.000001 to less than 1")));
-    }
-    Ok(Measuring {
+fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
+    let usual = Measuring::default();
+    Measuring {
         rays: recipe.verify.rays,
-        resolution,
-        max_bounces: max_bounces as u32,
+        resolution: args.resolution.unwrap_or(usual.resolution),
+        max_bounces: args.max_bounces.and_then(|n| n.try_into().ok()).unwrap_or(usual.max_bounces),
         seed: recipe.design.seed,
         error: args.error,
-    })
+    }
 }
 
 /// The plate as it is to be taken, and whether it goes on without end.
@@ -206,9 +199,6 @@ const LAMP_HALF_FIELD: f64 = 5.0;
 fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
     let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
-    if !(0.01..=60.0).contains(&half_field) {
-        return Err(Failure::Usage(format!("--lamp-half-field is {half_field}: it must be from 0.01 to 60")));
-    }
     let picture = picture::read(path, &Reading::default())?;
     Lamp::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))

@@ -11,6 +11,7 @@ use facetmill::verify::microgeometry::{Masking, NormalDistribution, masking};
 use glam::DVec2;
 use serde_json::json;
 
+use super::args::MeasureArgs;
 use super::{Bench, Outcome};
 use crate::console::{Failure, row};
 use crate::files::Staged;
@@ -19,13 +20,14 @@ use crate::outputs::write_png;
 /// Cells of the distribution of normals: along the polar angle, around the azimuth.
 const CELLS: (usize, usize) = (256, 128);
 
-/// Rays from each direction that masking is told for.
+/// Rays from each direction that masking is told for, unless --rays says.
 const RAYS: u64 = 200_000;
 
 /// Slope at the rim of the picture, as a multiple of the steeper RMS slope.
 const RIM: f64 = 4.0;
 
 struct Counted<'a> {
+    rays: u64,
     seed: u64,
     progress: &'a Progress<'a>,
 }
@@ -34,15 +36,23 @@ impl Task for Counted<'_> {
     type Output = Option<(NormalDistribution, Vec<Masking>)>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let normals = NormalDistribution::of(surface, CELLS.0, CELLS.1)?;
-        Some((normals, masking(surface, RAYS, self.seed, self.progress)))
+        Some((normals, masking(surface, self.rays, self.seed, self.progress)))
     }
 }
 
-pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
+pub fn measure(
+    args: &MeasureArgs,
+    bench: &Bench,
+    staged: &mut Staged,
+    progress: &Progress,
+) -> Result<Outcome, Failure> {
     progress.stage("counting normals");
-    let task = Counted { seed: bench.measuring.seed, progress };
+    let rays = args.running.rays().unwrap_or(RAYS);
+    let task = Counted { rays, seed: bench.measuring.seed, progress };
     let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
-        Failure::Impossible("this relief stands on no grid: --ndf needs one of facets or of a height grid".into())
+        Failure::Impossible(
+            "this relief stands on no grid: --ndf needs one of planar facets or of heights, as `design` writes".into(),
+        )
     })?;
     progress.stage("writing files");
     let rim = RIM * normals.rms_slope[0].max(normals.rms_slope[1]).max(1e-6);
@@ -79,6 +89,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     let [p, q] = normals.rms_slope;
     let facts = json!({
         "kind": "ndf",
+        "rays_each": rays,
         "rms_slope": [p, q],
         "beckmann_alpha": [p * std::f64::consts::SQRT_2, q * std::f64::consts::SQRT_2],
         "excess_area": normals.excess_area,

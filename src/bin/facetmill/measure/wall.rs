@@ -10,7 +10,7 @@ use facetmill::verify::wall::{Throw, ThrowError, Thrown, throw};
 use serde_json::json;
 
 use super::args::MeasureArgs;
-use super::{Bench, Outcome, failure};
+use super::{Bench, Outcome};
 use crate::console::{Failure, rays, row};
 use crate::files::Staged;
 use crate::outputs::write_png;
@@ -49,10 +49,11 @@ pub fn measure(
         half_width,
     };
     progress.stage("throwing light on the wall");
-    let thrown = bench.plate.run(Thrower { bench, settings, progress }).map_err(|error| failure(&error))?;
+    let thrown = bench.plate.run(Thrower { bench, settings, progress }).map_err(refused)?;
     progress.stage("writing files");
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
-    let exposure = Exposure { mirrored, heading: format!("Thrown by {}", args.plate.display()), ..Exposure::default() };
+    let exposure =
+        Exposure { mirrored, heading: format!("Thrown by {}, {}", bench.name, bench.material), ..Exposure::default() };
     write_png(staged, "wall.png", &wall_page(&thrown, &settings, &exposure))?;
     staged.write("wall.tiff", |out| write_float_tiff(&thrown.irradiance(), out))?;
     staged.write("wall_error.tiff", |out| write_float_tiff(&thrown.errors(), out))?;
@@ -79,18 +80,42 @@ pub fn measure(
         "image_noise_tv": thrown.measurement.image_noise(),
         "rays": thrown.measurement.whole.rays,
     });
+    // What passes the wall's horizon is spread without end.
+    let length = |mm: f64| if mm.is_finite() { format!("{mm:.1} mm") } else { "endless".into() };
     let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
         row("rays", rays(thrown.measurement.whole.rays), "traced"),
         row("lands", percent(landed.0), "of the light, in the picture"),
         row("beside it", percent(beside.0), "of the light lands on the wall beyond the picture"),
-        row("plate's blur", format!("{:.1} mm", blur.plate.max_element()), "as wide as a flat mirror's spot is"),
+        row(
+            "plate's blur",
+            length(blur.plate.max_element()),
+            "wide: the spot that a flat mirror in the plate's place would throw",
+        ),
         row(
             "lamp's blur",
-            format!("{:.1} mm", blur.lamp.max_element()),
-            "as wide as the lamp's image through a pinhole",
+            length(blur.lamp.max_element()),
+            "wide: the lamp's image, as through a pinhole; each point of the highlight is blurred by both",
         ),
     ];
     Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "wall.png" })
+}
+
+/// What the library refuses although each flag by itself makes sense, with the flags that help.
+fn refused(error: ThrowError) -> Failure {
+    Failure::Impossible(match error {
+        ThrowError::LampInPlate { .. } => {
+            "the lamp would dip below the top of the plate: raise --lamp-distance, or lower --lamp-radius or --light"
+                .into()
+        }
+        ThrowError::WallInPlate { .. } => {
+            "the wall would cut the plate or stand behind it: raise --wall, or lower --wall-tilt or --light".into()
+        }
+        ThrowError::Length { what, value } => {
+            format!("the {what} would be {value:e} mm, which is no wall: lower --wall, or set --wall-width")
+        }
+        ThrowError::Unlit => "no light of the lamp meets the plate: check units, orientation and --light".into(),
+        error => error.to_string(),
+    })
 }

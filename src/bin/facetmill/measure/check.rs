@@ -1,0 +1,54 @@
+//! What the numbers of flags must be, whatever the plate: told before any file is read.
+
+use facetmill::verify::look::{Look, Shape};
+use facetmill::verify::wall::Throw;
+
+use super::args::MeasureArgs;
+use super::brdf;
+use crate::console::Failure;
+
+/// Wall and camera, mm.
+const LENGTH: (f64, f64) = (*Throw::LENGTH.start(), *Throw::LENGTH.end());
+
+/// Refuses a flag whose number makes no sense, naming it.
+pub fn check(args: &MeasureArgs) -> Result<(), Failure> {
+    if args.brdf {
+        brdf::axes(args)?;
+    }
+    whole("resolution", args.resolution, 16, if args.wall.is_some() { Throw::MOST_PIXELS } else { 4096 })?;
+    whole("max-bounces", args.max_bounces.map(|n| n as usize), 1, 1000)?;
+    within("margin", args.margin, (0.0, 10_000.0))?;
+    within("lamp-half-field", args.lamp_half_field, (0.01, 60.0))?;
+    within("error", args.error, (1e-6, 0.999))?;
+    within("wall", args.wall, LENGTH)?;
+    within("lamp-distance", args.lamp_distance, LENGTH)?;
+    // None is a point.
+    within("lamp-radius", args.lamp_radius.filter(|radius| *radius != 0.0), LENGTH)?;
+    within("wall-tilt", args.wall_tilt, (-Throw::MOST_TILT, Throw::MOST_TILT))?;
+    within("wall-width", args.wall_width, (2.0 * LENGTH.0, 2.0 * LENGTH.1))?;
+    within("camera", args.camera.map(|[theta, _]| theta), (0.0, 89.9))?;
+    within("camera", args.camera.map(|[_, phi]| phi), (-360.0, 360.0))?;
+    within("distance", args.distance, LENGTH)?;
+    within("field", args.field, (*Look::FIELD_OF_VIEW.start(), *Look::FIELD_OF_VIEW.end()))?;
+    let radius = args.wrap.map(Into::into).and_then(|shape: Shape| shape.radius());
+    within("wrap", radius, LENGTH)?;
+    within("ambient", args.ambient, (0.0, 1e9))
+}
+
+fn within(flag: &str, value: Option<f64>, (low, high): (f64, f64)) -> Result<(), Failure> {
+    // A value that is not a number is in no range.
+    match value.filter(|value| !(low..=high).contains(value)) {
+        None => Ok(()),
+        Some(value) if value.abs() >= 1e15 || (value != 0.0 && value.abs() < 1e-6) => {
+            Err(Failure::Usage(format!("--{flag} is {value:e}: it must be from {low} to {high}")))
+        }
+        Some(value) => Err(Failure::Usage(format!("--{flag} is {value}: it must be from {low} to {high}"))),
+    }
+}
+
+fn whole(flag: &str, value: Option<usize>, low: usize, high: usize) -> Result<(), Failure> {
+    match value.filter(|value| !(low..=high).contains(value)) {
+        None => Ok(()),
+        Some(value) => Err(Failure::Usage(format!("--{flag} is {value}: it must be from {low} to {high}"))),
+    }
+}
