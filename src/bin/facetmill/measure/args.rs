@@ -69,7 +69,7 @@ pub struct MeasureArgs {
     #[arg(long, value_name = "N", help_heading = "Highlight", value_parser = count)]
     pub resolution: Option<usize>,
 
-    /// Polar angles of light, from 0 to 85 degrees  [default: 12]
+    /// Polar angles of light, from 0 to 88 degrees  [default: 16]
     #[arg(long, value_name = "N", help_heading = "BRDF", value_parser = count, requires = "brdf")]
     pub polar: Option<usize>,
     /// Azimuths of light; 1 for a plate that looks the same however it is turned  [default: 16]
