@@ -2,8 +2,9 @@
 
     python look_in_mitsuba.py SCENE.json OUT.json
 
-The scene names an STL file (or the radius of a ball, as a globe with its pole at +y), the metal's eta and k, roughness, camera (eye, target, up, width of the field in degrees),
-the way light goes, pixels, bounces, passes and paths a pixel in each. Exit 3 if a package is missing.
+The scene names an STL file (or the radius of a ball, as a globe with its pole at +y), the metal's eta and k and roughness
+(or a .bsdf file), camera (eye, target, up, width of the field in degrees), the way light goes, pixels, bounces, passes and
+paths a pixel in each. Exit 3 if a package is missing.
 """
 
 import json
@@ -26,18 +27,22 @@ except ImportError as missing:
 scene_file, out_file = sys.argv[1:]
 wanted = json.load(open(scene_file))
 try:
-    mi.set_variant("llvm_ad_mono")
+    # A .bsdf file holds red, green and blue; here all the same.
+    mi.set_variant("llvm_ad_rgb" if "bsdf" in wanted else "llvm_ad_mono")
     mi.Float(1) + 1
 except Exception as why:  # No LLVM: the slow variant of the same program.
     print(f"missing: a usable LLVM ({why})")
     sys.exit(3)
 
-material = {
-    "type": "roughconductor", "distribution": "ggx",
-    "alpha_u": wanted["alpha"][0], "alpha_v": wanted["alpha"][1],
-    "eta": {"type": "spectrum", "value": wanted["eta"]}, "k": {"type": "spectrum", "value": wanted["k"]},
-    "specular_reflectance": {"type": "spectrum", "value": 1.0},
-}
+if "bsdf" in wanted:
+    material = {"type": "measured", "filename": wanted["bsdf"]}
+else:
+    material = {
+        "type": "roughconductor", "distribution": "ggx",
+        "alpha_u": wanted["alpha"][0], "alpha_v": wanted["alpha"][1],
+        "eta": {"type": "spectrum", "value": wanted["eta"]}, "k": {"type": "spectrum", "value": wanted["k"]},
+        "specular_reflectance": {"type": "spectrum", "value": 1.0},
+    }
 shift = np.array(wanted["target"])
 if "ball" in wanted:
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], -90)
@@ -74,7 +79,7 @@ scene = mi.load_dict({
     "plate": plate,
     "lamp": {
         "type": "directional", "direction": wanted["light_goes"],
-        "irradiance": {"type": "spectrum", "value": 1.0},
+        "irradiance": {"type": "rgb" if "bsdf" in wanted else "spectrum", "value": 1.0},
     },
 })
 total = np.zeros((height, width))

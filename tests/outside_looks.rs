@@ -3,12 +3,14 @@
 //! FACETMILL_PYTHON names a Python with mitsuba, numpy and trimesh. Where they are missing the test is skipped, visibly;
 //! with FACETMILL_REQUIRE_CHECKERS=1 that is a failure. FACETMILL_LOOKS names a folder in which the pictures are left.
 
+mod asking;
+
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::process::Command;
 
 use facetmill::brdf::metals::Metal;
+use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
 use facetmill::export::picture::{common_white, encode_png, tone_mapped};
 use facetmill::export::stl::write_stl;
 use facetmill::picture::read;
@@ -22,9 +24,11 @@ use facetmill::setup::Setup;
 use facetmill::slope::{Slope, direction};
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
+use facetmill::verify::goniometer::sweep::sweep;
+use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
 use facetmill::verify::lamp::Lamp;
 use facetmill::verify::look::{Look, Shape, Sight, look};
-use facetmill::verify::measure::Experiment;
+use facetmill::verify::measure::{Experiment, Measuring};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
@@ -34,18 +38,12 @@ fn say(what: &str) {
     writeln!(std::io::stderr(), "{what}").unwrap();
 }
 
-fn rendered(scene: &Value, folder: &Path) -> Result<[Raster; 2], String> {
-    let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
-    let (input, output) = (folder.join("scene.json"), folder.join("seen.json"));
+/// Mean and variance of every pixel as Mitsuba renders the scene, or why it cannot.
+fn rendered(scene: &Value) -> Result<[Raster; 2], String> {
+    let folder = tempfile::tempdir().unwrap();
+    let [input, output] = ["scene.json", "seen.json"].map(|name| folder.path().join(name));
     std::fs::write(&input, scene.to_string()).unwrap();
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/look_in_mitsuba.py");
-    let run = Command::new(&python).arg(script).arg(&input).arg(&output).output();
-    let run = run.map_err(|why| format!("{python}: {why}"))?;
-    let said = String::from_utf8_lossy(&run.stdout);
-    if run.status.code() == Some(3) {
-        return Err(said.trim().into());
-    }
-    assert!(run.status.success(), "{said}{}", String::from_utf8_lossy(&run.stderr));
+    asking::ask("look_in_mitsuba.py", &[&input, &output])?;
     let seen: Value = serde_json::from_reader(File::open(output).unwrap()).unwrap();
     let [width, height] = [0, 1].map(|k| scene["size"][k].as_u64().unwrap() as usize);
     Ok(["mean", "variance"].map(|key| {
@@ -54,34 +52,40 @@ fn rendered(scene: &Value, folder: &Path) -> Result<[Raster; 2], String> {
     }))
 }
 
-/// Both pictures of one experiment, and whether they agree; `object` is what the scene says of shape and roughness.
-fn seen_alike<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, metal: &str, object: Value, target: DVec3) {
+/// Camera and lamp of an experiment, as the scene of the script.
+fn scene<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, target: DVec3, object: Value) -> Value {
     let toward = direction(settings.theta.to_radians(), settings.phi.to_radians());
-    let (eta, k) = Metal::named(metal).unwrap().at(550.0);
     let mut scene = json!({
-        "eta": eta, "k": k,
         "eye": (target + settings.distance * toward).to_array(), "target": target.to_array(),
         "up": carried_axes(toward).1.to_array(), "light_goes": (-experiment.setup.light()).to_array(),
         "field_of_view": settings.field_of_view, "size": settings.size,
         "bounces": settings.max_bounces, "passes": 16, "paths": 64,
     });
     scene.as_object_mut().unwrap().extend(object.as_object().unwrap().clone());
-    let folder = tempfile::tempdir().unwrap();
-    let [theirs, variance] = match rendered(&scene, folder.path()) {
-        Ok(seen) => seen,
-        Err(why) => {
-            let required = std::env::var("FACETMILL_REQUIRE_CHECKERS").is_ok_and(|value| value == "1");
-            assert!(!required, "Mitsuba is required but missing: {why}");
-            return say(&format!("SKIPPED: no opinion of Mitsuba ({why})"));
-        }
-    };
-    let ours = look(experiment, settings, &Progress::silent()).unwrap();
+    scene
+}
+
+/// Leaves both pictures where the environment says, in the same tones.
+fn keep(name: &str, ours: &Raster, theirs: &Raster) {
     if let Ok(folder) = std::env::var("FACETMILL_LOOKS") {
-        for (name, raster) in [("ours", &ours.radiance), ("mitsuba", &theirs)] {
-            let png = encode_png(&tone_mapped(raster, common_white(&ours.radiance))).unwrap();
-            std::fs::write(Path::new(&folder).join(format!("{metal}_{name}.png")), png).unwrap();
+        for (whose, raster) in [("ours", ours), ("mitsuba", theirs)] {
+            let png = encode_png(&tone_mapped(raster, common_white(ours))).unwrap();
+            std::fs::write(Path::new(&folder).join(format!("{name}_{whose}.png")), png).unwrap();
         }
     }
+}
+
+/// Both pictures of one experiment, and whether they agree; `object` is what the scene says of shape and roughness.
+fn seen_alike<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, metal: &str, object: Value, target: DVec3) {
+    let (eta, k) = Metal::named(metal).unwrap().at(550.0);
+    let mut scene = scene(experiment, settings, target, object);
+    (scene["eta"], scene["k"]) = (json!(eta), json!(k));
+    let [theirs, variance] = match rendered(&scene) {
+        Ok(seen) => seen,
+        Err(why) => return asking::skip("Mitsuba", &why),
+    };
+    let ours = look(experiment, settings, &Progress::silent()).unwrap();
+    keep(metal, &ours.radiance, &theirs);
     judge(metal, &ours, &theirs, &variance);
 }
 
@@ -160,4 +164,60 @@ fn a_brushed_ball_looks_as_in_mitsuba() {
         ..Look::default()
     };
     seen_alike(&experiment, &settings, "brass", json!({"ball": 30.0, "alpha": [0.15, 0.4]}), DVec3::ZERO);
+}
+
+/// The `.bsdf` measured on a plate makes a ball in Mitsuba look as our own ball that wears the relief itself.
+#[test]
+fn a_ball_of_the_exported_bsdf_looks_as_one_that_wears_the_relief() {
+    let recipe = Recipe::from_toml("highlight = { half-field = 15 }\ndesign = { arrange = 'transport' }").unwrap();
+    let path = format!("{}/examples/highlights/letter.png", env!("CARGO_MANIFEST_DIR"));
+    let light = read(path.as_ref(), &recipe.reading()).unwrap().light;
+    let panel = GridSurface::panel(&design(&recipe, &light, &Progress::silent()).unwrap().relief);
+    let setup = Setup::new(f64::to_radians(30.0), f64::to_radians(70.0), 0.0, Projection::Equidistant, 0.3);
+    let material = "aluminium:ggx:0.2".parse().unwrap();
+    let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
+    let settings = Look {
+        distance: 200.0,
+        field_of_view: 18.0,
+        size: [32, 32],
+        shape: Shape::Sphere { radius: 30.0 },
+        rays: 25_600,
+        ..Look::default()
+    };
+    // Without Mitsuba nothing is to be measured: asked first with a BRDF that needs no time.
+    let flat = |wi: DVec3, _: DVec3| 0.1 / wi.z.max(0.1);
+    let small = BrdfAxes::isotropic(BrdfAxes::polar_nodes(4, 1.4), 8, 8).unwrap();
+    let ball_of = |table: &BrdfTable| {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("plate.bsdf");
+        let mut bytes = Vec::new();
+        write_bsdf(BsdfColour::Grey(table), &BsdfSettings::measured(), &mut bytes).unwrap();
+        std::fs::write(&file, bytes).unwrap();
+        rendered(&scene(&experiment, &settings, DVec3::ZERO, json!({"bsdf": file, "ball": 30.0})))
+    };
+    if let Err(why) = ball_of(&BrdfTable::from_fn(small, flat)) {
+        return asking::skip("Mitsuba", &why);
+    }
+
+    // The grids and rays of `facetmill measure --brdf`.
+    let polar = BrdfAxes::polar_nodes(16, f64::to_radians(88.0));
+    let axes = BrdfAxes::anisotropic(polar, 16, 128, 64).unwrap();
+    let measuring = Measuring { rays: 200_000, ..Measuring::default() };
+    let swept = sweep(&panel, &experiment.material, axes, &measuring, &Progress::silent()).unwrap();
+    let [theirs, _] = ball_of(&swept.table).unwrap();
+    let ours = look(&experiment, &settings, &Progress::silent()).unwrap();
+    keep("bsdf", &ours.radiance, &theirs);
+
+    let peak = ours.radiance.values.iter().copied().fold(0.0, f64::max);
+    let pairs = ours.radiance.values.iter().zip(&theirs.values);
+    let mut apart: Vec<f64> = pairs.filter(|(a, _)| **a > 0.01 * peak).map(|(a, b)| (b / a - 1.0).abs()).collect();
+    apart.sort_by(f64::total_cmp);
+    let mean = apart.iter().sum::<f64>() / apart.len() as f64;
+    let p99 = apart[apart.len() * 99 / 100];
+    say(&format!(
+        "a ball of the .bsdf, Mitsuba against ours: mean error {mean:.4}, p99 {p99:.4}, {} pixels",
+        apart.len()
+    ));
+    assert!(apart.len() > 400, "{}", apart.len());
+    assert!(mean <= 0.03 && p99 <= 0.2, "{mean} {p99}");
 }

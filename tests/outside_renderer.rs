@@ -3,24 +3,17 @@
 //! FACETMILL_PYTHON names a Python that has Mitsuba, `python3` if unset. Where it has none the tests are skipped,
 //! visibly; with FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
 
+mod asking;
+
 use std::f64::consts::PI;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::process::Command;
 
 use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
 use glam::DVec3;
 use serde_json::Value;
-
-/// Tells on the terminal itself, past the test harness, that the renderer was not asked.
-#[allow(clippy::explicit_write, reason = "the harness hides what a passing test says with eprintln")]
-fn skip(why: &str) {
-    let required = std::env::var("FACETMILL_REQUIRE_CHECKERS").is_ok_and(|value| value == "1");
-    assert!(!required, "Mitsuba is required but missing: {why}");
-    writeln!(std::io::stderr(), "SKIPPED: no opinion of Mitsuba ({why})").unwrap();
-}
 
 /// GGX with Smith's separable shadowing and no absorption (Walter et al. 2007), the roughness per axis.
 fn ggx(wi: DVec3, wo: DVec3, [ax, ay]: [f64; 2]) -> f64 {
@@ -33,19 +26,11 @@ fn ggx(wi: DVec3, wo: DVec3, [ax, ay]: [f64; 2]) -> f64 {
 
 /// What Mitsuba says of a file that should be GGX of this roughness, or why it says nothing.
 fn figures(file: &Path, [ax, ay]: [f64; 2]) -> Result<Value, String> {
-    let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bsdf_in_mitsuba.py");
-    let mut command = Command::new(&python);
-    command.arg(script).arg(file).args([ax.to_string(), ay.to_string()]);
+    let mut arguments = vec![file.as_os_str().to_owned(), ax.to_string().into(), ay.to_string().into()];
     if let Ok(folder) = std::env::var("FACETMILL_KEEP_PICTURES") {
-        command.arg(Path::new(&folder).join(format!("bsdf_{ax}_{ay}.png")));
+        arguments.push(Path::new(&folder).join(format!("bsdf_{ax}_{ay}.png")).into());
     }
-    let run = command.output().map_err(|why| format!("{python}: {why}"))?;
-    let said = String::from_utf8_lossy(&run.stdout);
-    if run.status.code() == Some(3) {
-        return Err(said.trim().into());
-    }
-    assert!(run.status.success(), "{said}{}", String::from_utf8_lossy(&run.stderr));
+    let said = asking::ask("bsdf_in_mitsuba.py", &arguments)?;
     Ok(serde_json::from_str(said.lines().last().unwrap_or_default()).unwrap())
 }
 
@@ -59,7 +44,7 @@ fn rendered_alike(alpha: [f64; 2], axes: BrdfAxes, most: f64) {
     file.flush().unwrap();
     let report = match figures(&path, alpha) {
         Ok(report) => report,
-        Err(why) => return skip(&why),
+        Err(why) => return asking::skip("Mitsuba", &why),
     };
     println!("{alpha:?} {report}");
     let number = |a: &str, b: &str| report[a][b].as_f64().unwrap();

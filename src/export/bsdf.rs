@@ -16,7 +16,8 @@
 //!
 //! All grids hold values at nodes, from one edge of the unit square to the other, and readers interpolate between
 //! them. (s1, s2) is (u, v) after the warp that makes `vndf` uniform: there a lobe takes up the whole square, so that
-//! a coarse grid is enough for colour while `ndf` and `vndf` carry its shape.
+//! a coarse grid is enough for colour while `ndf` and `vndf` carry its shape. Its nodes are fitted to the table by least
+//! squares: all of the light that a measured table counted bears on them, and the coarser the grid the less they scatter.
 //!
 //! D is not measured by itself here but drawn from the table: 4 f_r cosθi cosθo = D F G, averaged over incidence with
 //! the weight cosθi cos²θo, which fades where half vectors send light below the horizon. A small diffuse share is
@@ -35,6 +36,7 @@ use std::io::{self, Write};
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::bsdf_fit::Fit;
 use super::bsdf_warp::Warp;
 use crate::slope::mirror;
 use crate::verify::goniometer::table::{BrdfAxes, BrdfTable};
@@ -46,7 +48,8 @@ const SIGMA_NODES: usize = 129;
 /// How a table is laid out as `.bsdf`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BsdfSettings {
-    /// Nodes each way of the colour grid over the warped square, 2 or more.
+    /// Nodes each way of the colour grid over the warped square, 2 or more. More are better for tables without noise;
+    /// for measured ones see [`BsdfSettings::measured`].
     pub samples: usize,
     /// Share of a diffuse distribution mixed into the distribution of normals, in (0, 1).
     pub floor: f64,
@@ -57,6 +60,14 @@ pub struct BsdfSettings {
 impl Default for BsdfSettings {
     fn default() -> Self {
         Self { samples: 64, floor: 0.02, description: "facetmill".into() }
+    }
+}
+
+impl BsdfSettings {
+    /// For tables that hold noise: the colour grid half as fine. On a sphere that wears a measured plate 32 nodes came out
+    /// nearer than 16 (too coarse toward the horizon) and 64 (noise): 2.5 %, 3.7 % and 3.0 % from direct tracing.
+    pub fn measured() -> Self {
+        Self { samples: 32, ..Self::default() }
     }
 }
 
@@ -248,12 +259,8 @@ impl<'a> Normals<'a> {
             })
             .collect();
         let warp = Warp::new(&vndf, columns);
-        let places: Vec<(f64, f64)> = (0..samples * samples)
-            .map(|k| {
-                let at = |k: usize| k as f64 / (samples - 1) as f64;
-                warp.sample(at(k % samples), at(k / samples))
-            })
-            .collect();
+        let fit = Fit::new(samples);
+        let places = fit.places(|s1, s2| warp.sample(s1, s2));
         let colour: Vec<Vec<f32>> = tables
             .iter()
             .map(|table| {
@@ -276,7 +283,7 @@ impl<'a> Normals<'a> {
                         *value = -bilinear(&above, columns, u, v).max(0.0);
                     }
                 }
-                places.iter().map(|&(u, v)| bilinear(&shape, columns, u, v) as f32).collect()
+                fit.nodes(places.iter().map(|&(u, v)| bilinear(&shape, columns, u, v)))
             })
             .collect();
         let mut luminance: Vec<f32> = (0..samples * samples)

@@ -26,6 +26,8 @@ pub mod shading;
 
 mod bsdf_warp;
 
+mod bsdf_fit;
+
 pub mod bsdf;
 
 pub mod merl;

@@ -188,6 +188,10 @@ pub fn look<S: Surface>(experiment: &Experiment<'_, S>, look: &Look, progress: &
     Ok(Sight { radiance: raster(0), errors: raster(1), trapped: raster(2) })
 }
 
+/// Steps of the sequence that fills the unit square evenly at any length: 1/g and 1/g² with g³ = g + 1, after Roberts,
+/// "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
+const EVENLY: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+
 struct Eye<'a, S> {
     camera: Camera,
     gatherer: Gatherer<'a, S>,
@@ -204,13 +208,14 @@ impl<S: Surface> Eye<'_, S> {
         let strata = f64::from(self.look.rays).sqrt().ceil() as u32;
         let n = f64::from(strata * strata);
         let (mut mean, mut squares, mut trapped) = (0.0, 0.0, 0.0);
+        let shift = DVec2::new(random.random::<f64>(), random.random::<f64>());
         for k in 0..strata * strata {
             let place = DVec2::new(
                 f64::from(k % strata) + random.random::<f64>(),
                 f64::from(k / strata) + random.random::<f64>(),
             );
             let direction = self.camera.direction(middle + half * (2.0 * place / f64::from(strata) - 1.0));
-            let path = self.path(direction, random);
+            let path = self.path(direction, (shift + f64::from(k) * EVENLY).fract(), random);
             // Welford's running mean and squares.
             let off = path.radiance - mean;
             mean += off / f64::from(k + 1);
@@ -221,7 +226,8 @@ impl<S: Surface> Eye<'_, S> {
         [mean, error, trapped]
     }
 
-    fn path(&self, direction: DVec3, random: &mut Xoshiro256PlusPlus) -> Gathered {
+    /// One path against `direction`; on a shape it meets the relief's period at the share `start` of it.
+    fn path(&self, direction: DVec3, start: DVec2, random: &mut Xoshiro256PlusPlus) -> Gathered {
         let surface = self.gatherer.surface;
         let background = Gathered { radiance: self.look.ambient, trapped: 0.0 };
         if self.look.shape == Shape::Flat {
@@ -234,10 +240,11 @@ impl<S: Surface> Eye<'_, S> {
         }
         let Some(frame) = self.look.shape.frame(self.camera.eye, direction) else { return background };
         let along = (frame.transpose() * direction).normalize();
-        // Anywhere in the period: the relief is too fine for the eye to see where.
+        // Anywhere in the period: the relief is too fine for the eye to see where. But evenly over the pixel's paths: how
+        // much facets differ from each other would be most of the noise.
         let (low, high) = surface.optical_area();
         let (_, top) = surface.height_range();
-        let start = low + (high - low) * DVec2::new(random.random::<f64>(), random.random::<f64>());
+        let start = low + (high - low) * start;
         let above = top + 1e-6 * (high - low).length();
         match surface.first(start.extend(above), along) {
             Some(hit) => self.gatherer.gather(hit, along, &frame, random),

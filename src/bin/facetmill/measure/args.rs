@@ -100,7 +100,7 @@ pub struct MeasureArgs {
     #[arg(long, value_name = "N", help_heading = "Image", value_parser = count, conflicts_with = "brdf")]
     pub resolution: Option<usize>,
 
-    /// How many polar angles light comes from, spread over 0 to 85 degrees, at least 2  [default: 12]
+    /// How many polar angles light comes from, spread over 0 to 88 degrees, at least 2  [default: 16]
     #[arg(long, value_name = "N", help_heading = "BRDF", value_parser = count, requires = "brdf")]
     pub polar: Option<usize>,
     /// How many azimuths it comes from: 4 to 360, or 1 for a plate that looks the same however turned  [default: 16]

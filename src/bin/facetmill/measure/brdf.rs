@@ -19,8 +19,11 @@ use crate::console::{Failure, row};
 use crate::files::Staged;
 use crate::outputs::write_png;
 
-/// The most grazing light, degrees.
-const GRAZING: f64 = 85.0;
+/// The most grazing light, degrees. What a ball shows near its rim lies beyond 85.
+const GRAZING: f64 = 88.0;
+
+/// Polar angles of light, unless --polar says.
+const POLARS: usize = 16;
 
 /// Rays for each direction of light, unless --rays says.
 const RAYS: u64 = 200_000;
@@ -65,7 +68,7 @@ pub fn measure(
     let mut bsdf = Vec::new();
     write_bsdf(
         BsdfColour::Grey(table),
-        &BsdfSettings { description: description.clone(), ..BsdfSettings::default() },
+        &BsdfSettings { description: description.clone(), ..BsdfSettings::measured() },
         &mut bsdf,
     )
     .map_err(|error: BsdfError| Failure::Impossible(format!("brdf.bsdf: {error}")))?;
@@ -135,7 +138,7 @@ pub fn measure(
 }
 
 pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
-    let polar = args.polar.unwrap_or(12);
+    let polar = args.polar.unwrap_or(POLARS);
     let azimuths = args.azimuths.unwrap_or(16);
     let [columns, rows] = args.half_vectors.unwrap_or([128, 64]);
     for (flag, value, least, most) in [("polar", polar, 2, 180), ("azimuths", azimuths, 1, 360)] {
