@@ -357,3 +357,40 @@ fn help_names_every_flag_of_the_contract() {
     assert_eq!(told.code, Some(2));
     assert!(told.stderr.contains("design") && told.stderr.contains("Usage"));
 }
+
+#[test]
+fn a_continuous_plate_is_the_same_with_any_threads_and_tells_what_a_cutter_leaves() {
+    let home = home();
+    let small = "--surface continuous --grid 64 --cells 2 --size 20x20 --rays 20000 --for-cutter ball:0.5";
+    for threads in [1, 2] {
+        let line = format!("design ring.png -o plate{threads} --threads {threads} {small}");
+        assert_done(&run_line(home.path(), &line));
+    }
+    let [one, two] = ["plate1", "plate2"].map(|name| home.path().join(name));
+    assert_eq!(names(&one), ALL_FILES);
+    assert_same_plate(&one, &two, &[]);
+    let report = json(one.join("report.json"));
+    // Two triangles a square, and a base.
+    assert!(report["stl"]["triangles"].as_u64().unwrap() > 2 * 128 * 128, "{}", report["stl"]);
+    assert!(report["design"]["valleys"].is_null());
+    assert_eq!(report["design"]["continuous"]["grid"], 64);
+    let [designed, milled] = ["designed", "as_milled"].map(|key| report[key]["tv_incident"]["1"].as_f64().unwrap());
+    assert!(designed < 0.05 && milled < 0.1, "{designed} {milled}");
+    assert_eq!(report["designed"]["multi_bounce"], 0.0);
+
+    let dry = run_line(home.path(), &format!("design ring.png --dry-run --json {small}"));
+    let facts: Value = serde_json::from_str(&dry.stdout).unwrap();
+    let about = facts["stl_triangles_about"].as_f64().unwrap();
+    assert!((about / report["stl"]["triangles"].as_f64().unwrap() - 1.0).abs() < 0.1, "{facts}");
+
+    for (flags, code, parts) in [
+        ("--grid 63", 2, ["--grid", "63"]),
+        ("--for-cutter drill:3", 2, ["drill:3", "ball:0.5"]),
+        ("--for-cutter ball:90", 4, ["90", "cell"]),
+        ("--max-triangles 100", 2, ["--max-triangles", "100"]),
+    ] {
+        let line = format!("design ring.png -o none --surface continuous {flags}");
+        assert_refused(&run_line(home.path(), &line), code, &parts);
+        assert!(!home.path().join("none").exists());
+    }
+}

@@ -21,7 +21,7 @@ use facetmill::relief::mesh::Mesh;
 use plates::{ALL, Shape, plate};
 
 /// Recipes whose plates are judged: picture, what differs from the default.
-const DESIGNS: [(&str, &str, &str); 14] = [
+const DESIGNS: [(&str, &str, &str); 17] = [
     ("dome", "portrait", ""),
     ("wide", "word", "plate = { size = [45, 20], facets = [60, 24] }"),
     ("narrow", "star", "plate = { size = [7, 30], facets = [6, 71] }"),
@@ -35,6 +35,13 @@ const DESIGNS: [(&str, &str, &str); 14] = [
     ("slanting", "portrait", "light = { theta = 50, phi = 200 }\nplate = { facets = [50, 50] }"),
     ("level", "letter", "light = { theta = 30, phi = 10 }\ndesign = { distribution = { level = true } }"),
     ("tiny", "ring", "plate = { size = [0.5, 0.5], thickness = 0.01 }"),
+    ("sheet", "portrait", "plate = { surface = 'continuous', grid = 64 }"),
+    ("sheet_with_rim", "star", "plate = { surface = 'continuous', grid = 64, cells = 1, size = [30, 20], border = 3 }"),
+    (
+        "sheet_to_cut",
+        "letter",
+        "plate = { surface = 'continuous', grid = 64, cells = 2 }\ndesign = { cutter = 'ball:0.5' }",
+    ),
     ("huge", "star", "plate = { size = [2000, 1500], facets = [40, 30], border = 100 }"),
 ];
 
@@ -45,7 +52,7 @@ fn designed(picture: &str, recipe: &str) -> Mesh {
     design(&recipe, &light, &Progress::silent()).unwrap().mesh
 }
 
-/// Thirty plates of every kind, from 1 × 1 to 200 × 200 facets, in the folder where Cargo lets tests leave files.
+/// More than thirty plates of every kind, from 1 × 1 to 200 × 200 facets, in the folder where Cargo lets tests leave files.
 static WRITTEN: LazyLock<Vec<PathBuf>> = LazyLock::new(|| {
     let closed = |relief| solid(&relief, 2.0).unwrap();
     let mut meshes = vec![
