@@ -384,7 +384,7 @@ fn a_continuous_plate_is_the_same_with_any_threads_and_tells_what_a_cutter_leave
     assert!((about / report["stl"]["triangles"].as_f64().unwrap() - 1.0).abs() < 0.1, "{facts}");
 
     for (flags, code, parts) in [
-        ("--grid 63", 2, ["--grid", "63"]),
+        ("--grid 63", 4, ["--grid 64", "63"]),
         ("--for-cutter drill:3", 2, ["drill:3", "ball:0.5"]),
         ("--for-cutter ball:90", 4, ["90", "cell"]),
         ("--max-triangles 100", 2, ["--max-triangles", "100"]),
