@@ -248,12 +248,12 @@ impl<F: Field> GridSurface<F> {
                 let before = point;
                 (next_i, next_j) = (wrapped(&mut point.x, next_i, &self.x), wrapped(&mut point.y, next_j, &self.y));
                 if before.z < self.field.height(next_i, next_j, point.x, point.y) - SEAM {
-                    return Some(hit(before, i, j, Face::wall(wall)));
+                    return before.is_finite().then(|| hit(before, i, j, Face::wall(wall)));
                 }
                 (i, j, from, entered) = (next_i, next_j, point, 0.0);
             } else {
                 if point.z < self.field.height(next_i, next_j, point.x, point.y) - SEAM {
-                    return Some(hit(point, i, j, Face::wall(wall)));
+                    return point.is_finite().then(|| hit(point, i, j, Face::wall(wall)));
                 }
                 (i, j, entered) = (next_i, next_j, left);
             }
