@@ -199,7 +199,7 @@ fn normals_of_a_plate_have_the_slopes_of_its_design() {
     let seen = ["0", "30", "60", "80"].map(|angle| number(&facts["seen_at_deg"][angle]));
     assert!(seen.is_sorted_by(|a, b| a >= b) && seen[0] > 0.99 && seen[3] > 0.5, "{seen:?}");
     let csv = fs::read_to_string(home.path().join("a/masking.csv")).unwrap();
-    assert!(csv.contains("theta,phi,seen,error,endless\n"));
+    assert!(csv.contains("theta,phi,seen,error,endless,both\n"));
 }
 
 #[test]
