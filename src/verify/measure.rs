@@ -13,12 +13,13 @@ use rayon::prelude::*;
 use super::exact;
 use super::lamp::Lamp;
 use super::launch::RayGrid;
+use super::near::Rays;
 use super::tally::{Measurement, PARTS, Tally};
 use crate::brdf::material::Material;
 use crate::progress::Progress;
 use crate::projection::View;
 use crate::setup::Setup;
-use crate::trace::path::Follower;
+use crate::trace::path::{End, Follower};
 use crate::trace::plate::Task;
 use crate::trace::{Hit, Kind, Surface};
 
@@ -171,7 +172,7 @@ fn round<S: Surface, C: Screen>(
     Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
 }
 
-/// Rays from above, those that first meet what `wanted` says: tallies of [`PARTS`] parts, in mm² of horizontal area.
+/// Rays of the distant lamp, those that first meet what `wanted` says, collected on `screen`.
 pub(super) fn sent<S: Surface, C: Screen>(
     experiment: &Experiment<'_, S>,
     screen: &C,
@@ -179,8 +180,29 @@ pub(super) fn sent<S: Surface, C: Screen>(
     wanted: impl Fn(Kind) -> bool + Sync,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let Experiment { surface, setup, material, lamp } = experiment;
-    let grid = RayGrid::new(*surface, setup.light(), lamp, measuring.rays);
+    let Experiment { surface, setup, lamp, .. } = experiment;
+    let rays = Rays::Far(RayGrid::new(*surface, setup.light(), lamp, measuring.rays));
+    let landing = || {
+        let mut pixels = Pixels::new(screen);
+        move |end: &mut End| pixels.of(end.direction)
+    };
+    follow_all(experiment, &rays, screen.size(), measuring, wanted, landing, progress)
+}
+
+/// Follows `rays`, those that first meet what `wanted` says: tallies of [`PARTS`] parts, in mm² of horizontal area.
+///
+/// Each part makes itself a `landing`, which says on which pixel of the picture of `size` light falls at its end, and
+/// may think better of how it ended.
+pub(super) fn follow_all<S: Surface, L: FnMut(&mut End) -> Option<usize>>(
+    experiment: &Experiment<'_, S>,
+    rays: &Rays<'_>,
+    size: (usize, usize),
+    measuring: &Measuring,
+    wanted: impl Fn(Kind) -> bool + Sync,
+    landing: impl Fn() -> L + Sync,
+    progress: &Progress,
+) -> Vec<Tally> {
+    let surface = experiment.surface;
     let (low, high) = surface.optical_area();
     let incident = |hit: &Hit<S::Place>| {
         let (at, kind) = (hit.point.truncate(), surface.kind(hit.place));
@@ -189,31 +211,32 @@ pub(super) fn sent<S: Surface, C: Screen>(
     (0..PARTS)
         .into_par_iter()
         .map(|part| {
-            let mut follower = Follower::new(*surface, material, measuring.max_bounces);
-            let mut pixels = Pixels::new(screen);
-            let mut tally = Tally::empty(screen.size());
+            let mut follower = Follower::new(surface, &experiment.material, measuring.max_bounces);
+            let mut land = landing();
+            let mut tally = Tally::empty(size);
             // Part k takes rows k, k + PARTS, … of the grid.
-            for row in (part..grid.rows).step_by(PARTS) {
+            for row in (part..rays.rows()).step_by(PARTS) {
                 if progress.is_cancelled() {
                     break;
                 }
                 // One stream a row: neither threads nor the number of parts touch the bytes.
                 let stream = measuring.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
                 let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
-                for column in 0..grid.columns {
-                    let (origin, direction, weight) = grid.ray(column, row, &mut random);
+                for column in 0..rays.columns() {
+                    let (origin, direction, weight) = rays.ray(column, row, &mut random);
                     let Some(hit) = surface.first(origin, direction).filter(incident) else { continue };
-                    let weight = weight * grid.share();
+                    let weight = weight * rays.share();
                     tally.incident += weight;
                     tally.rays += 1;
                     if surface.kind(hit.place) == Kind::Wall {
                         tally.first_hit_wall += weight;
                     }
-                    let end = follower.follow(hit, direction, &mut random);
-                    tally.count(&end, weight, pixels.of(end.direction));
+                    let mut end = follower.follow(hit, direction, &mut random);
+                    let pixel = land(&mut end);
+                    tally.count(&end, weight, pixel);
                 }
                 if part == 0 {
-                    progress.fraction(row as f64 / grid.rows as f64);
+                    progress.fraction(row as f64 / rays.rows() as f64);
                 }
             }
             tally

@@ -12,6 +12,8 @@ pub mod tally;
 
 pub mod launch;
 
+mod near;
+
 mod exact;
 
 pub mod measure;
@@ -19,8 +21,6 @@ pub mod measure;
 pub mod goniometer;
 
 pub mod microgeometry;
-
-mod near;
 
 pub mod wall;
 

@@ -14,20 +14,17 @@
 //! Neither lamp nor wall casts a shadow on the other's light.
 
 use glam::{DMat3, DVec2, DVec3};
-use rand::SeedableRng;
-use rand_xoshiro::Xoshiro256PlusPlus;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use super::launch::RayGrid;
-use super::measure::{Experiment, Measuring, until_error};
+use super::measure::{Experiment, Measuring, follow_all, until_error};
 use super::near::{NearGrid, Rays};
-use super::tally::{Measurement, PARTS, Tally};
+use super::tally::{Measurement, Tally};
 use crate::progress::Progress;
 use crate::projection::{View, carried_axes};
 use crate::raster::Raster;
-use crate::trace::path::{Fate, Follower};
-use crate::trace::{Hit, Kind, Surface};
+use crate::trace::Surface;
+use crate::trace::path::{End, Fate};
 
 /// Where lamp and wall are. The lamp stands toward the setup's light, the wall where a flat plate would throw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -272,64 +269,21 @@ pub fn throw<S: Surface>(
                 Rays::Near(NearGrid::new(experiment.surface, wall.middle, lamp, throw.lamp_radius, measuring.rays))
             }
         };
-        let parts = sent(experiment, measuring, &wall, &rays, progress);
+        let n = measuring.resolution;
+        let land = |end: &mut End| {
+            if !matches!(end.fate, Fate::Up | Fate::Down) {
+                return None;
+            }
+            let at = wall.meets(end.point, end.direction);
+            end.fate = if at.is_some() { Fate::Up } else { Fate::Down };
+            View::pixel_at(at? / wall.half_width, n, n).map(|(x, y)| y * n + x)
+        };
+        let parts = follow_all(experiment, &rays, (n, n), measuring, |_| true, || land, progress);
         Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
     };
     let unlit = || if progress.is_cancelled() { ThrowError::Cancelled } else { ThrowError::Unlit };
     let measurement = until_error(measuring, round).ok_or_else(unlit)?;
     Ok(Thrown { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
-}
-
-fn sent<S: Surface>(
-    experiment: &Experiment<'_, S>,
-    measuring: &Measuring,
-    wall: &Wall,
-    rays: &Rays<'_>,
-    progress: &Progress,
-) -> Vec<Tally> {
-    let surface = experiment.surface;
-    let (low, high) = surface.optical_area();
-    let incident = |hit: &Hit<S::Place>| {
-        let at = hit.point.truncate();
-        surface.kind(hit.place) != Kind::Outer && (at.cmpge(low) & at.cmple(high)).all()
-    };
-    let n = measuring.resolution;
-    (0..PARTS)
-        .into_par_iter()
-        .map(|part| {
-            let mut follower = Follower::new(surface, &experiment.material, measuring.max_bounces);
-            let mut tally = Tally::empty((n, n));
-            for row in (part..rays.rows()).step_by(PARTS) {
-                if progress.is_cancelled() {
-                    break;
-                }
-                let stream = measuring.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
-                let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
-                for column in 0..rays.columns() {
-                    let (origin, direction, weight) = rays.ray(column, row, &mut random);
-                    let Some(hit) = surface.first(origin, direction).filter(incident) else { continue };
-                    let weight = weight * rays.share();
-                    tally.incident += weight;
-                    tally.rays += 1;
-                    if surface.kind(hit.place) == Kind::Wall {
-                        tally.first_hit_wall += weight;
-                    }
-                    let mut end = follower.follow(hit, direction, &mut random);
-                    let mut pixel = None;
-                    if matches!(end.fate, Fate::Up | Fate::Down) {
-                        let at = wall.meets(end.point, end.direction);
-                        end.fate = if at.is_some() { Fate::Up } else { Fate::Down };
-                        pixel = at.and_then(|at| View::pixel_at(at / wall.half_width, n, n)).map(|(x, y)| y * n + x);
-                    }
-                    tally.count(&end, weight, pixel);
-                }
-                if part == 0 {
-                    progress.fraction(row as f64 / rays.rows() as f64);
-                }
-            }
-            tally
-        })
-        .collect()
 }
 
 /// Why no light is thrown on a wall.
