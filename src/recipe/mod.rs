@@ -20,7 +20,8 @@ use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
 use crate::picture::{Encoding, Fit, Reading};
 use crate::projection::Projection;
-use crate::sculpt::design::{Sculpting, suitable_grid};
+use crate::sculpt::design::Sculpting;
+use crate::sculpt::plan::suitable_grid;
 use crate::setup::Setup;
 
 /// All that a design depends on. The same recipe gives the same bytes.
@@ -168,8 +169,14 @@ pub struct DesignSettings {
     /// The cutter that a continuous relief is for; without it, its valleys are as sharp as its triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutter: Option<Cutter>,
+    /// Polish or paint after the cutter, which smooths the heights of a continuous relief by a Gaussian of this standard
+    /// deviation, mm.
+    pub levelling: f64,
     /// Details of a continuous relief narrower than this are left out, mm.
     pub min_feature: f64,
+    /// The most that a cell of a continuous relief may rise about its mean plane, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_depth: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
     /// The slope distribution.
@@ -186,7 +193,9 @@ impl Default for DesignSettings {
             arrange: Arrangement::default(),
             heights: None,
             cutter: None,
+            levelling: 0.0,
             min_feature: 0.0,
+            max_depth: None,
             distribution: DistributionSettings::default(),
             annealing: Annealing::default(),
         }
@@ -275,7 +284,8 @@ impl Recipe {
         let cell = glam::DVec2::from(size) / self.cells() as f64;
         let cutter = self.design.cutter.map(Cutter::radius);
         let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, max_triangles));
-        Sculpting { cell, cells, grid, cutter, min_feature: self.design.min_feature, seed: self.design.seed }
+        let DesignSettings { levelling, min_feature, max_depth, seed, .. } = self.design;
+        Sculpting { cell, cells, grid, cutter, levelling, min_feature, max_depth, seed }
     }
 
     /// How the picture file is to be read.

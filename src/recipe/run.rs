@@ -16,8 +16,8 @@ use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
-use crate::sculpt::design::{Sculpture, sculpt};
-use crate::sculpt::milled::milled;
+use crate::sculpt::design::{Sculpture, Waypoint, sculpt};
+use crate::sculpt::milled::{Tool, levelled};
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
 use crate::trace::mesh::MeshSurfaceError;
@@ -81,6 +81,20 @@ pub struct MilledProof {
 
 /// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
 pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<Design, DesignError> {
+    design_by_way(recipe, light, None, &mut |_, _| {}, progress)
+}
+
+/// The same, for continuous reliefs that take long: goes on from where an earlier run of the same recipe had come, and
+/// tells `passed` of every step that is done.
+///
+/// Cancelled, a continuous relief is the best so far; facets end in [`DesignError::Cancelled`].
+pub fn design_by_way(
+    recipe: &Recipe,
+    light: &Raster,
+    from: Option<Waypoint>,
+    passed: &mut dyn FnMut(&Distribution, &Waypoint),
+    progress: &Progress,
+) -> Result<Design, DesignError> {
     recipe.check()?;
     let mut clock = Clock::start();
     progress.stage("reading slopes off the highlight");
@@ -93,7 +107,10 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
     clock.lap("distribution");
     let plate = match recipe.plate.surface {
         SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
-        SurfaceKind::Continuous => continuous(recipe, &distribution, &mut clock, progress)?,
+        SurfaceKind::Continuous => {
+            let passed = &mut |at: &Waypoint| passed(&distribution, at);
+            continuous(recipe, &distribution, (from, passed), &mut clock, progress)?
+        }
     };
     let Plate { facets, sculpture, relief, mesh } = plate;
     let seconds = clock.laps;
@@ -111,14 +128,13 @@ struct Plate {
 fn continuous(
     recipe: &Recipe,
     distribution: &Distribution,
+    (from, passed): (Option<Waypoint>, &mut dyn FnMut(&Waypoint)),
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
     progress.stage("sculpting the relief");
-    let sculpture = sculpt(distribution, &recipe.sculpting(), progress).ok_or(DesignError::TooNarrow)?;
-    if progress.is_cancelled() {
-        return Err(DesignError::Cancelled);
-    }
+    let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
+    let sculpture = sculpt(distribution, &recipe.sculpting(), from, passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
@@ -184,9 +200,6 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     Ok(Proof { target, measurement, verdict, milled })
 }
 
-/// Steps across a cutter of the grid on which its work is found.
-const STEPS_ACROSS_CUTTER: f64 = 50.0;
-
 fn prove_milled(
     recipe: &Recipe,
     design: &Design,
@@ -196,13 +209,15 @@ fn prove_milled(
 ) -> Result<Option<MilledProof>, DesignError> {
     let (Some(cutter), Some(sculpture)) = (recipe.design.cutter, &design.sculpture) else { return Ok(None) };
     progress.stage("milling it, and tracing that");
-    let milled = milled(&sculpture.relief, cutter.radius(), cutter.diameter / STEPS_ACROSS_CUTTER);
-    let surface = plate::Plate::new(&sheet_solid(&milled.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+    let milled = Tool::new(sculpture.relief.cell, cutter.radius()).mill(&sculpture.relief);
+    let left = milled.most_left();
+    let made = levelled(milled.relief, recipe.design.levelling);
+    let surface = plate::Plate::new(&sheet_solid(&made, recipe.plate.thickness, 0.0)?, 0.0)?;
     let setup = &design.distribution.setup;
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
     let measurement = surface.run(Mirrored { setup, measuring, progress }).ok_or_else(unlit)?;
     let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
-    Ok(Some(MilledProof { left: milled.left, verdict }))
+    Ok(Some(MilledProof { left, verdict }))
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

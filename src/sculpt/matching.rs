@@ -1,8 +1,8 @@
 //! Douglas-Rachford rounds between two wishes: that the slopes are the wanted ones, whatever their places, and that they
 //! are the slopes of a relief that the cutter can make.
 //!
-//! The first is met by sliced matching (Pitié, Kokaram, Dahyot 2007): along a direction, the k-th largest slope moves
-//! toward the k-th largest wanted one. The second by the heights nearest in the least squares, and their closing.
+//! The first is met by sliced matching (Pitié, Kokaram, Dahyot 2007): along a direction, every slope moves toward the
+//! wanted one of the same rank. The second by the heights nearest in the least squares, and their closing.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ use crate::fourier::frequency;
 use crate::progress::Progress;
 
 use super::closing::Closing;
-use super::light::Lattice;
+use super::rims::Lattice;
 use super::waves::Waves;
 
 /// Crossed pairs of directions in one matching.
@@ -23,6 +23,9 @@ const PAIRS: usize = 3;
 
 /// Share of the way that slopes go in one matching along one direction.
 const STEP: f64 = 0.7;
+
+/// Marks of the scale on which slopes are ranked.
+const SCALE: usize = 4096;
 
 /// Exchanges between the two wishes on one lattice.
 pub struct Matching {
@@ -72,15 +75,48 @@ impl Matching {
         }
     }
 
+    /// Moves slopes along one direction toward the wanted ones of the same rank, both ranked on a fine scale.
     fn match_along(&self, slopes: &mut [[f32; 2]], angle: f64) {
         let (c, s) = (angle.cos() as f32, angle.sin() as f32);
-        let order = sorted(slopes, c, s);
-        let wanted = sorted(&self.wanted, c, s);
-        for (from, to) in order.iter().zip(&wanted) {
-            let slope = &mut slopes[from.1 as usize];
-            let way = STEP as f32 * (to.0 - from.0);
-            *slope = [slope[0] + way * c, slope[1] + way * s];
+        let along = |v: &[f32; 2]| c * v[0] + s * v[1];
+        let range = |of: &[[f32; 2]]| {
+            of.iter().map(along).fold((f32::INFINITY, f32::NEG_INFINITY), |r, v| (r.0.min(v), r.1.max(v)))
+        };
+        let (ours, theirs) = (range(slopes), range(&self.wanted));
+        let (low, high) = (ours.0.min(theirs.0), ours.1.max(theirs.1));
+        let per_slope = SCALE as f32 / (high - low);
+        if !per_slope.is_finite() {
+            return;
         }
+        let place = |v: &[f32; 2]| (per_slope * (along(v) - low)).clamp(0.0, SCALE as f32 - 0.001);
+        // Ranks up to each mark of the scale, shares of all.
+        let ranks = |of: &[[f32; 2]]| {
+            let mut ranks = vec![0.0f64; SCALE + 1];
+            of.iter().for_each(|v| ranks[place(v) as usize + 1] += 1.0 / of.len() as f64);
+            (1..=SCALE).for_each(|k| ranks[k] += ranks[k - 1]);
+            ranks
+        };
+        let (ours, theirs) = (ranks(slopes), ranks(&self.wanted));
+        // Where the wanted slopes of each of our marks' ranks lie, in marks.
+        let mut mark = 0;
+        let wanted: Vec<f32> = ours
+            .iter()
+            .map(|rank| {
+                while mark + 1 < SCALE && theirs[mark + 1] < *rank {
+                    mark += 1;
+                }
+                let width = theirs[mark + 1] - theirs[mark];
+                let within = if width > 0.0 { ((rank - theirs[mark]) / width).clamp(0.0, 1.0) } else { 0.0 };
+                (mark as f64 + within) as f32
+            })
+            .collect();
+        let step = STEP as f32 / per_slope;
+        slopes.par_iter_mut().with_min_len(1 << 13).for_each(|slope| {
+            let at = place(slope);
+            let (k, t) = (at as usize, at.fract());
+            let way = step * (wanted[k] + t * (wanted[k + 1] - wanted[k]) - at);
+            *slope = [slope[0] + way * c, slope[1] + way * s];
+        });
     }
 
     /// Mean slope of each square.
@@ -115,13 +151,6 @@ impl Matching {
 
 fn blend(a: &[[f32; 2]], b: &[[f32; 2]], f: impl Fn(f32, f32) -> f32) -> Vec<[f32; 2]> {
     a.iter().zip(b).map(|(a, b)| [f(a[0], b[0]), f(a[1], b[1])]).collect()
-}
-
-/// Lengths along a direction in ascending order, each with its index.
-fn sorted(slopes: &[[f32; 2]], c: f32, s: f32) -> Vec<(f32, u32)> {
-    let mut order: Vec<(f32, u32)> = slopes.iter().enumerate().map(|(k, v)| (c * v[0] + s * v[1], k as u32)).collect();
-    order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order
 }
 
 #[cfg(test)]

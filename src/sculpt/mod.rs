@@ -1,21 +1,29 @@
 //! Continuous reliefs whose light is the picture: one periodic sheet of triangles, optimised as it is written.
 
-pub mod bins;
+pub mod rims;
 
-pub mod closing;
-
-pub mod design;
-
-pub mod light;
-
-pub mod milled;
-
-pub mod matching;
-
-pub mod objective;
+pub mod waves;
 
 pub mod start;
 
 pub mod target;
 
-pub mod waves;
+pub mod bins;
+
+pub mod closing;
+
+pub mod resample;
+
+pub mod milled;
+
+pub mod matching;
+
+pub mod folds;
+
+pub mod light;
+
+pub mod objective;
+
+pub mod plan;
+
+pub mod design;

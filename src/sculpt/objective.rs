@@ -1,8 +1,8 @@
 //! How far a relief's light is from the wanted, as a function of well-conditioned numbers, with its exact gradient.
 //!
 //! ```text
-//!    y ──► heights ──► closing ──► light ──► blurred difference ──► ½ Σ d · (W ∗ d)
-//!       1/|k|       (the ball)  (triangles)
+//!    y ──► heights ──► closing ──► levelling ──► light ──► weighed, blurred difference ──► ½ Σ d · (W ∗ d)
+//!       1/|k|       (the ball)   (polish, paint) (triangles)
 //! ```
 //!
 //! A wave of heights of frequency k changes slopes k times as much: dividing by |k| makes all waves of y alike. The
@@ -12,15 +12,27 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::fourier::frequency;
+use crate::relief::periodic::PeriodicRelief;
+use crate::slope::Slope;
 
 use super::bins::Bins;
 use super::closing::{Closing, Contacts};
-use super::light::{Lattice, Light};
+use super::folds::Folds;
+use super::light::Light;
+use super::milled::{Tool, levelled};
+use super::rims::{Lattice, Rims};
 use super::target::SlopeTarget;
 use super::waves::{Waves, smooth_side};
 
 /// Longest difference that the loss feels, degrees.
 const REACH: f64 = 40.0;
+
+/// Dark degrees beyond the target's own, so that light at one rim hardly feels the opposite one.
+const ROOM: f64 = 6.0;
+
+/// Differences in the dark count more, as they do to the eye: by 1 over the brightness there, as a share of the peak,
+/// plus this.
+const DARK: f64 = 0.3;
 
 /// How a stage of the design looks at light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,44 +41,74 @@ pub struct Gaze {
     pub blur: f64,
     /// Preference for wide differences.
     pub alpha: f64,
+    /// Whether differences in the dark count more.
+    pub weighed: bool,
 }
 
-/// The tool of a design.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
-    /// Radius of the ball that the heights are closed by, mm: that of the cutter or a little more.
-    pub closing: f64,
-    /// Radius of the cutter, mm, which rounds the valleys between the triangles.
-    pub cutter: f64,
-    /// Width over which every edge is taken to be rounded, mm.
-    pub rounding: f64,
+/// What happens to the written relief before light falls on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Making {
+    /// Radius of the ball that cuts it, mm.
+    pub cutter: Option<f64>,
+    /// Polish or paint: heights are smoothed by a Gaussian of this standard deviation, mm.
+    pub levelling: f64,
+    /// Waves shorter than about this are damped in the design, mm.
+    pub finest: f64,
+    /// The most that a cell may rise, mm.
+    pub max_depth: Option<f64>,
+    /// Mean slope of the plate.
+    pub tilt: Slope,
 }
 
 /// The loss of reliefs on one lattice.
 pub struct Objective {
     lattice: Lattice,
+    making: Making,
     target: SlopeTarget,
     light: Light,
     closing: Option<Closing>,
     heights: Waves,
     conditioner: Vec<f32>,
+    levelling: Option<Vec<f32>>,
     plane: Waves,
     gaze: Vec<f32>,
+    weight: Option<Vec<f32>>,
+    /// What the tool is known to add to the light, beyond the fillets of the folds.
+    tooled: Option<Vec<f32>>,
     price: f64,
+    /// Heights between which nothing is charged for depth, mm, and the charge for a mean square of one beyond.
+    depth: Option<([f32; 2], f64)>,
 }
 
 impl Objective {
-    /// For reliefs on `lattice` whose light shall be `target`, seen as `gaze` says, cut with `ball` or taken as they
-    /// are; waves shorter than about `finest` mm are damped.
-    pub fn new(lattice: Lattice, target: SlopeTarget, gaze: Gaze, ball: Option<Ball>, finest: f64) -> Self {
+    /// For reliefs on `lattice` whose light shall be `target`, seen as `gaze` says and made as `making` says.
+    pub fn new(lattice: Lattice, target: SlopeTarget, gaze: Gaze, making: Making) -> Self {
         let heights = Waves::new(lattice.n);
-        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, finest));
-        // A third more room than the target, so that light at one rim hardly feels the opposite one.
-        let plane = Waves::new(smooth_side(target.side * 4 / 3));
-        let gaze = gaze_gains(&plane, &target, gaze);
-        let light = Light::new(lattice, Bins::new(&target), ball.map(|b| b.cutter), ball.map_or(0.0, |b| b.rounding));
-        let closing = ball.map(|b| Closing::new(lattice.n, lattice.step, b.closing));
-        Self { lattice, target, light, closing, heights, conditioner, plane, gaze, price: 0.0 }
+        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, making.finest));
+        let levelling = (making.levelling > 0.0).then(|| heights.levelling(lattice, making.levelling));
+        let plane = Waves::new(smooth_side(target.side + (ROOM / target.bin).ceil() as usize));
+        let gains = gaze_gains(&plane, target.bin, gaze);
+        let weight = gaze.weighed.then(|| weight(&plane, &target));
+        let folds = making.cutter.map(|radius| Folds::new(lattice, radius, sharpest_fold(lattice, radius)));
+        let crossed = making.cutter.map_or(0.0, |radius| crossed(lattice, radius));
+        let light = Light::new(lattice, Bins::new(&target), crossed, folds);
+        let closing = making.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
+        Self {
+            lattice,
+            making,
+            target,
+            light,
+            closing,
+            heights,
+            conditioner,
+            levelling,
+            plane,
+            gaze: gains,
+            weight,
+            tooled: None,
+            price: 0.0,
+            depth: None,
+        }
     }
 
     /// The numbers y whose heights are `z`, as far as waves are not damped.
@@ -81,10 +123,38 @@ impl Objective {
         y
     }
 
-    /// Charges for the light of fillets, so that they cost `share` of the loss of heights `z` as it is now.
-    pub fn charge_fillets(&mut self, z: &[f32], share: f64) {
-        let fillets = self.light.fillets(z);
-        self.price = if fillets > 0.0 { share * self.compare(z).0 / fillets } else { 0.0 };
+    /// Charges for folds that turn upward, so that they cost `share` of the loss of heights `z` as it is now; and for
+    /// what is too deep, so that it costs as much as the loss where it is so by 3 % on average.
+    pub fn charge(&mut self, z: &[f32], share: f64) {
+        let rims = self.rims(z);
+        let (loss, toll) = (self.compare(&rims).0, self.light.toll(&rims));
+        self.price = if toll > 0.0 { share * loss / toll } else { 0.0 };
+        self.depth = self.making.max_depth.map(|most| {
+            let (low, high) = range(z);
+            let middle = 0.5 * f64::from(low + high);
+            let bounds = [-0.48, 0.48].map(|share| (middle + share * most) as f32);
+            (bounds, loss / ((0.03 * most).powi(2) * z.len() as f64))
+        });
+    }
+
+    /// How much deeper than allowed heights `z` are, as a share of what is allowed.
+    pub fn too_deep(&self, z: &[f32]) -> f64 {
+        let (low, high) = range(z);
+        self.making.max_depth.map_or(0.0, |most| (f64::from(high - low) / most - 1.0).max(0.0))
+    }
+
+    /// Takes account of what the tool really makes of heights `z`: the light of its work less that of the model is
+    /// added to all light from now on.
+    pub fn watch_tool(&mut self, z: &[f32]) {
+        let Some(radius) = self.making.cutter else { return };
+        let cell = self.lattice.cell();
+        let relief = relief(self.lattice, z, self.making.tilt);
+        let made = levelled(Tool::new(cell, radius).mill(&relief).relief, self.making.levelling);
+        let fine = Lattice { n: made.nodes, step: made.step() };
+        // Whoever looks at the tool's grid may cut its squares either way.
+        let really = Light::new(fine, Bins::new(&self.target), 0.5, None).shine(&Rims::new(fine, &made.heights));
+        let thought = self.light.shine(&self.rims(z));
+        self.tooled = Some(really.iter().zip(&thought).map(|(a, b)| a - b).collect());
     }
 
     /// The heights of numbers `y`, as the cutter leaves their nodes.
@@ -99,44 +169,109 @@ impl Objective {
         (z, contacts)
     }
 
+    /// Slopes of heights `z` after levelling.
+    fn rims(&self, z: &[f32]) -> Rims {
+        match &self.levelling {
+            None => Rims::new(self.lattice, z),
+            Some(gains) => {
+                let mut level = z.to_vec();
+                self.heights.filter(&mut level, self.lattice.n, gains);
+                Rims::new(self.lattice, &level)
+            }
+        }
+    }
+
     /// The loss at `y`; its gradient goes to `gradient`.
     pub fn loss(&self, y: &[f32], gradient: &mut [f32]) -> f64 {
         let (z, contacts) = self.closed(y);
-        let (loss, potential) = self.compare(&z);
-        let loss = if self.price > 0.0 { loss + self.price * self.light.fillets(&z) } else { loss };
-        let mut pull = self.light.pull(&z, &potential, self.price as f32);
+        let rims = self.rims(&z);
+        let (loss, potential) = self.compare(&rims);
+        let (mut pull, toll) = self.light.pull(&rims, &potential, self.price as f32);
+        if let Some(gains) = &self.levelling {
+            self.heights.filter(&mut pull, self.lattice.n, gains);
+        }
+        let mut depth = 0.0;
+        if let Some(([low, high], price)) = self.depth {
+            for (pull, z) in pull.iter_mut().zip(&z) {
+                let beyond = z - z.clamp(low, high);
+                depth += price * f64::from(beyond).powi(2);
+                *pull += 2.0 * price as f32 * beyond;
+            }
+        }
         if let Some(contacts) = contacts {
             contacts.pull_back(&mut pull);
         }
         self.heights.filter(&mut pull, self.lattice.n, &self.conditioner);
         gradient.copy_from_slice(&pull);
-        loss
+        loss + self.price * toll + depth
     }
 
-    /// The loss of heights `z` as they are, and the potential that pulls on their light.
-    pub fn compare(&self, z: &[f32]) -> (f64, Vec<f32>) {
-        let mut difference = self.light.shine(z);
-        difference.iter_mut().zip(&self.target.wanted).for_each(|(d, w)| *d -= w);
+    /// The loss without tolls, and the potential that pulls on light.
+    fn compare(&self, rims: &Rims) -> (f64, Vec<f32>) {
+        let weigh = |values: &mut [f32]| {
+            if let Some(weight) = &self.weight {
+                values.iter_mut().zip(weight).for_each(|(v, w)| *v *= w);
+            }
+        };
+        let mut difference = self.difference(rims);
+        weigh(&mut difference);
         let mut potential = difference.clone();
         self.plane.filter(&mut potential, self.target.side, &self.gaze);
         let products = potential.iter().zip(&difference).map(|(p, d)| f64::from(*p) * f64::from(*d));
-        (0.5 * products.sum::<f64>(), potential)
+        let loss = 0.5 * products.sum::<f64>();
+        weigh(&mut potential);
+        (loss, potential)
     }
 
-    /// Share of the light that comes from fillets in the valleys.
-    pub fn fillets(&self, z: &[f32]) -> f64 {
-        self.light.fillets(z)
+    /// Light less what is wanted.
+    fn difference(&self, rims: &Rims) -> Vec<f32> {
+        let mut difference = self.light.shine(rims);
+        difference.iter_mut().zip(&self.target.wanted).for_each(|(d, w)| *d -= w);
+        if let Some(tooled) = &self.tooled {
+            difference.iter_mut().zip(tooled).for_each(|(d, w)| *d += w);
+        }
+        difference
     }
 
     /// Half the sum of absolute differences of light, both seen through a blur of `blur` degrees.
     pub fn misplaced(&self, z: &[f32], blur: f64) -> f64 {
-        let mut difference = self.light.shine(z);
-        difference.iter_mut().zip(&self.target.wanted).for_each(|(d, w)| *d -= w);
-        // The square root of the gain of a loss without preference.
-        let gains = gaze_gains(&self.plane, &self.target, Gaze { blur: blur / 2f64.sqrt(), alpha: 0.0 });
-        self.plane.filter(&mut difference, self.target.side, &gains);
+        let mut difference = self.difference(&self.rims(z));
+        self.plane.filter(&mut difference, self.target.side, &blurring(&self.plane, self.target.bin, blur));
         0.5 * difference.iter().map(|d| f64::from(d.abs())).sum::<f64>()
     }
+
+    /// About the share of the plate that the cutter fills with fillets.
+    pub fn fillets(&self, z: &[f32]) -> f64 {
+        self.light.toll(&self.rims(z))
+    }
+}
+
+/// One cell of heights `z` about a mean slope.
+pub fn relief(lattice: Lattice, z: &[f32], tilt: Slope) -> PeriodicRelief {
+    PeriodicRelief { nodes: lattice.n, heights: z.to_vec(), cell: lattice.cell(), cells: [1, 1], tilt }
+}
+
+/// Lowest and highest of `z`.
+fn range(z: &[f32]) -> (f32, f32) {
+    z.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |r, v| (r.0.min(*v), r.1.max(*v)))
+}
+
+/// How far the cutter may stay above a written valley, mm.
+pub const CLEARANCE: f64 = 0.45e-3;
+
+/// The sharpest fold in which a ball of `radius` mm comes as near as [`CLEARANCE`], R Δs²/8 above its bottom; or that of
+/// a hollow as round as the ball.
+fn sharpest_fold(lattice: Lattice, radius: f64) -> f64 {
+    let alone = (8.0 * CLEARANCE / radius).sqrt();
+    0.7 * alone.min(lattice.step.min_element() / radius)
+}
+
+/// Share of the light that a tool's grid sends as if squares were cut the other way: half of that of the tool's squares
+/// which a diagonal crosses.
+fn crossed(lattice: Lattice, radius: f64) -> f64 {
+    let cell = lattice.cell();
+    let across = cell.max_element() / Tool::new(cell, radius).places as f64;
+    (0.5 * across / lattice.step.max_element()).min(0.5)
 }
 
 /// 1/|k| of the differences that make slopes, 0 for the mean; below `finest` mm falling off as a Gaussian.
@@ -147,15 +282,28 @@ fn conditioner(lattice: Lattice, i: usize, j: usize, finest: f64) -> f64 {
     if slope == 0.0 {
         return 0.0;
     }
-    let wave = (frequency(i, n) / step.x).hypot(frequency(j, n) / step.y);
     // Half of the slope is left of a wave as long as `finest`.
-    (-2f64.ln() * (wave * finest / TAU).powi(2)).exp() / slope
+    (-2f64.ln() * (lattice.wave(i, j) * finest / TAU).powi(2)).exp() / slope
 }
 
-fn gaze_gains(plane: &Waves, target: &SlopeTarget, gaze: Gaze) -> Vec<f32> {
-    let side = smooth_side(target.side * 4 / 3);
+fn gaze_gains(plane: &Waves, bin: f64, gaze: Gaze) -> Vec<f32> {
+    let side = plane.side();
     plane.gains(|i, j| {
-        let k2 = (frequency(i, side).powi(2) + frequency(j, side).powi(2)) / (target.bin * target.bin);
+        let k2 = (frequency(i, side).powi(2) + frequency(j, side).powi(2)) / (bin * bin);
         (-k2 * gaze.blur * gaze.blur).exp() / (k2 + (TAU / REACH).powi(2)).powf(gaze.alpha)
     })
+}
+
+/// Gains of a Gaussian of standard deviation `blur` degrees over light.
+fn blurring(plane: &Waves, bin: f64, blur: f64) -> Vec<f32> {
+    // The square root of the gain of a loss without preference.
+    gaze_gains(plane, bin, Gaze { blur: blur / 2f64.sqrt(), alpha: 0.0, weighed: false })
+}
+
+/// 1 at the peak of the target, seen through half a degree, and more where it is darker.
+fn weight(plane: &Waves, target: &SlopeTarget) -> Vec<f32> {
+    let mut seen = target.wanted.clone();
+    plane.filter(&mut seen, target.side, &blurring(plane, target.bin, 0.5));
+    let peak = f64::from(seen.iter().fold(f32::MIN_POSITIVE, |m, v| m.max(*v)));
+    seen.iter().map(|v| ((1.0 + DARK) / (f64::from(v.max(0.0)) / peak + DARK)) as f32).collect()
 }

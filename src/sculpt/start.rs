@@ -3,10 +3,11 @@
 use glam::DVec2;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use serde::{Serialize, Serializer};
 
 use crate::fourier::frequency;
 
-use super::light::Lattice;
+use super::rims::Lattice;
 use super::waves::Waves;
 
 /// A shape to start from.
@@ -21,6 +22,15 @@ pub enum Start {
 }
 
 impl Start {
+    /// What is worth trying: for a cutter with as few valleys as can be, for a shallow relief with many hills.
+    pub fn suitable(to_cut: bool, shallow: bool) -> &'static [Self] {
+        match (to_cut, shallow) {
+            (true, false) => &[Self::Hills(1), Self::Cone, Self::Roof],
+            (false, false) => &[Self::Hills(4), Self::Hills(2), Self::Cone, Self::Roof],
+            (_, true) => &[Self::Hills(1), Self::Hills(2), Self::Hills(4), Self::Hills(8)],
+        }
+    }
+
     /// Heights, mm, whose slopes have about the root mean squares `spread` along x and y.
     pub fn heights(self, lattice: Lattice, spread: DVec2, seed: u64) -> Vec<f32> {
         let n = lattice.n;
@@ -53,6 +63,16 @@ impl Start {
                 let scale = if slope > 0.0 { spread.length() / slope } else { 0.0 };
                 z.iter().map(|v| (f64::from(*v) * scale) as f32).collect()
             }
+        }
+    }
+}
+
+impl Serialize for Start {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Cone => serializer.serialize_str("cone"),
+            Self::Roof => serializer.serialize_str("roof"),
+            Self::Hills(n) => serializer.serialize_str(&format!("hills {n}")),
         }
     }
 }

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
+use super::rims::Lattice;
+
 /// Rows of a spectrum that are transposed together.
 const BAND: usize = 8;
 
@@ -26,12 +28,22 @@ impl Waves {
         Self { side, forward: planner.plan_fft_forward(side), inverse: planner.plan_fft_inverse(side) }
     }
 
+    /// Nodes a side.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
     /// Gains `f(i, j)` laid out for [`filter`](Self::filter), the transforms' own factor included: i counts waves along
     /// a row from 0 to side/2, j those along a column, the upper half being the negative frequencies.
     pub fn gains(&self, f: impl Fn(usize, usize) -> f64 + Sync) -> Vec<f32> {
         let n = self.side;
         let share = 1.0 / (n * n) as f64;
         (0..(n / 2 + 1) * n).into_par_iter().map(|k| (share * f(k / n, k % n)) as f32).collect()
+    }
+
+    /// Gains that smooth heights on `lattice` by a Gaussian of standard deviation `sigma` mm.
+    pub fn levelling(&self, lattice: Lattice, sigma: f64) -> Vec<f32> {
+        self.gains(|i, j| (-0.5 * (lattice.wave(i, j) * sigma).powi(2)).exp())
     }
 
     /// Multiplies every wave of `values` by its gain. `values` are rows of `width` numbers, at most `side` of each; the

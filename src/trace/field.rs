@@ -151,40 +151,67 @@ impl Field for Planes {
     }
 }
 
-/// Heights at the nodes of a grid; each square is two triangles, cut from its lower right to its upper left corner.
+/// Heights at the nodes of a grid; each square is two triangles, cut along either diagonal.
 ///
-/// Piece 0 is the triangle at the lower left, piece 1 the one at the upper right.
+/// Piece 0 is the triangle below the cut, piece 1 the one above it.
 #[derive(Clone, Debug)]
 pub struct Nodes {
     x: Lines,
     y: Lines,
     heights: Vec<f64>,
+    /// Which squares are cut from lower left to upper right; a row of squares after the other.
+    rising: Vec<bool>,
 }
 
 impl Nodes {
     /// The triangles of `grid`.
     pub fn new(grid: &HeightGrid) -> Self {
-        assert_eq!(grid.heights.len(), grid.x.len() * grid.y.len(), "one height a node");
-        Self { x: Lines::new(&grid.x), y: Lines::new(&grid.y), heights: grid.heights.clone() }
+        let HeightGrid { x, y, heights, rising } = grid;
+        assert_eq!(heights.len(), x.len() * y.len(), "one height a node");
+        assert_eq!(rising.len(), (x.len() - 1) * (y.len() - 1), "one cut a square");
+        Self { x: Lines::new(x), y: Lines::new(y), heights: heights.clone(), rising: rising.clone() }
     }
 
-    fn node(&self, i: usize, j: usize) -> f64 {
-        self.heights[j * (self.x.intervals() + 1) + i]
+    #[inline]
+    fn square(&self, i: usize, j: usize) -> Square {
+        let columns = self.x.intervals();
+        let rises = usize::from(self.rising[j * columns + i]);
+        let across = [i + rises, i + 1 - rises];
+        Square {
+            x: across.map(|i| self.x.at(i)),
+            y: [self.y.at(j), self.y.at(j + 1)],
+            z: [j, j + 1].map(|j| across.map(|i| self.heights[j * (columns + 1) + i])),
+        }
     }
+}
 
-    fn triangle(&self, i: usize, j: usize, piece: u8) -> Plane {
-        // The corner at the right angle is (i, j) below and (i + 1, j + 1) above.
+/// One square of [`Nodes`], its lines and heights at hand. Where the cut rises, left and right are exchanged, so that
+/// it falls in every square.
+#[derive(Clone, Copy)]
+struct Square {
+    /// Left and right line.
+    x: [f64; 2],
+    /// Lower and upper line.
+    y: [f64; 2],
+    /// Heights on the lower and on the upper line.
+    z: [[f64; 2]; 2],
+}
+
+impl Square {
+    #[inline]
+    fn triangle(self, piece: u8) -> Plane {
+        let Self { x, y, z } = self;
+        // The corner at the right angle is the lower left one below the cut and the upper right one above it.
         let k = usize::from(piece);
-        let (x, y) = (self.x.at(i + k), self.y.at(j + k));
-        let (width, depth) = (self.x.at(i + 1) - self.x.at(i), self.y.at(j + 1) - self.y.at(j));
-        let p = (self.node(i + 1, j + k) - self.node(i, j + k)) / width;
-        let q = (self.node(i + k, j + 1) - self.node(i + k, j)) / depth;
-        Plane { z0: self.node(i + k, j + k) - p * x - q * y, p, q }
+        let p = (z[k][1] - z[k][0]) / (x[1] - x[0]);
+        let q = (z[1][k] - z[0][k]) / (y[1] - y[0]);
+        Plane { z0: z[k][k] - p * x[k] - q * y[k], p, q }
     }
 
-    /// How far beyond the cut a point lies, from -1 at the lower left corner to 1 at the upper right one.
-    fn beyond_cut(&self, i: usize, j: usize, x: f64, y: f64) -> f64 {
-        let (x0, x1, y0, y1) = (self.x.at(i), self.x.at(i + 1), self.y.at(j), self.y.at(j + 1));
+    /// How far above the cut a point lies, from -1 at the right angle of piece 0 to 1 at that of piece 1.
+    #[inline]
+    fn beyond_cut(self, x: f64, y: f64) -> f64 {
+        let Self { x: [x0, x1], y: [y0, y1], .. } = self;
         (x - x0) / (x1 - x0) + (y - y0) / (y1 - y0) - 1.0
     }
 }
@@ -192,20 +219,24 @@ impl Nodes {
 impl Field for Nodes {
     const PIECES: usize = 2;
 
+    #[inline]
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8) {
-        let piece = u8::from(self.beyond_cut(i, j, x, y) > 0.0);
-        (self.triangle(i, j, piece).height(x, y), piece)
+        let square = self.square(i, j);
+        let piece = u8::from(square.beyond_cut(x, y) > 0.0);
+        (square.triangle(piece).height(x, y), piece)
     }
 
+    #[inline]
     fn meet(&self, i: usize, j: usize, stretch: Stretch) -> Option<(f64, u8)> {
         let Stretch { from, direction, entered, left } = stretch;
-        let side = |t: f64| self.beyond_cut(i, j, from.x + t * direction.x, from.y + t * direction.y);
+        let square = self.square(i, j);
+        let side = |t: f64| square.beyond_cut(from.x + t * direction.x, from.y + t * direction.y);
         let s0 = side(entered);
         // A vertical ray never leaves and never crosses the cut.
         let s1 = if left.is_finite() { side(left) } else { s0 };
         let (first, second) = (u8::from(s0 > 0.0 || (s0 == 0.0 && s1 > 0.0)), u8::from(s1 > 0.0));
         let meet = |piece, entered, left| {
-            let t = self.triangle(i, j, piece).meet(Stretch { entered, left, ..stretch })?;
+            let t = square.triangle(piece).meet(Stretch { entered, left, ..stretch })?;
             Some((t, piece))
         };
         if first == second {
@@ -215,25 +246,29 @@ impl Field for Nodes {
         meet(first, entered, cut).or_else(|| meet(second, cut, left))
     }
 
+    #[inline]
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
-        [0, 1].into_iter().all(|piece| self.triangle(i, j, piece).climb(direction) >= 0.0)
+        let square = self.square(i, j);
+        [0, 1].into_iter().all(|piece| square.triangle(piece).climb(direction) >= 0.0)
     }
 
+    #[inline]
     fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64 {
-        self.triangle(i, j, piece).height(x, y)
+        self.square(i, j).triangle(piece).height(x, y)
     }
 
+    #[inline]
     fn gradient(&self, i: usize, j: usize, piece: u8) -> (f64, f64) {
-        let plane = self.triangle(i, j, piece);
+        let plane = self.square(i, j).triangle(piece);
         (plane.p, plane.q)
     }
 
     fn top(&self, i: usize, j: usize) -> f64 {
-        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
-        corners.into_iter().map(|(a, b)| self.node(i + a, j + b)).fold(f64::NEG_INFINITY, f64::max)
+        self.square(i, j).z.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.heights.as_slice()) + self.x.bytes() + self.y.bytes()
+        let squares = size_of_val(self.heights.as_slice()) + size_of_val(self.rising.as_slice());
+        squares + self.x.bytes() + self.y.bytes()
     }
 }

@@ -1,0 +1,187 @@
+//! Where a relief turns upward, which a ball cutter rounds: the light of the fillets, and a toll on them.
+//!
+//! A square's own fold is a ridge, since it is cut along its higher diagonal; the relief turns upward at the rims of
+//! squares only. Across a rim along y by the larger p of the square after it less the smaller p of the one before, and
+//! likewise across a rim along x.
+//!
+//! There a ball of radius R leaves a fillet, a strip R·Δs wide, half of it taken from each side, whose light is spread
+//! evenly between the two slopes (a parabola in place of the sphere). The two triangles at a rim share its slope along
+//! it, so the way from one to the other runs along an axis of the slope plane.
+
+use super::bins::{Bins, Place};
+use super::rims::{Lattice, Row, RowSums};
+
+/// How strongly folds of more than what is allowed are charged, beside their share of the plate.
+const STIFFNESS: f32 = 20.0;
+
+/// Folds much smaller than this are charged less than in proportion, so that the toll is smooth at 0.
+const SOFTNESS: f32 = 0.02;
+
+/// The fillets that a ball leaves on one lattice.
+#[derive(Clone, Copy, Debug)]
+pub struct Folds {
+    /// Share of the plate that a fold of 1 along x and y takes.
+    share: [f32; 2],
+    /// Sharpest fold that is allowed.
+    most: f32,
+}
+
+/// A rim at which the relief turns upward.
+#[derive(Clone, Copy)]
+struct Fold {
+    /// Across which axis it turns: 0 where p changes, 1 where q does.
+    axis: usize,
+    from: f32,
+    to: f32,
+    /// The slope that both sides have along the rim.
+    along: f32,
+}
+
+impl Fold {
+    fn ends(self, bins: &Bins) -> [Place; 2] {
+        let place = |s: f32| if self.axis == 0 { bins.place(s, self.along) } else { bins.place(self.along, s) };
+        [place(self.from), place(self.to)]
+    }
+}
+
+impl Folds {
+    /// For a ball of `radius` mm, which shall meet no fold sharper than `most`.
+    pub fn new(lattice: Lattice, radius: f64, most: f64) -> Self {
+        let share = (radius / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
+        Self { share, most: most as f32 }
+    }
+
+    /// The folds at the right side and at the top of square `i`.
+    #[inline]
+    fn of(row: &Row<'_>, i: usize) -> [Fold; 2] {
+        let ([p0, p1], [q0, q1]) = (row.p, row.q);
+        let x = Fold { axis: 0, from: p0[i].min(p1[i]), to: p0[i + 1].max(p1[i + 1]), along: q0[i + 1] };
+        let y = Fold { axis: 1, from: q0[i].min(q0[i + 1]), to: q1[i].max(q1[i + 1]), along: p1[i] };
+        [x, y]
+    }
+
+    /// Moves the light of a row's fillets.
+    pub fn shine(&self, row: &Row<'_>, bins: &Bins, light: &mut [f32]) {
+        for i in 0..row.p[0].len() - 1 {
+            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to > fold.from) {
+                let mass = self.share[fold.axis] * (fold.to - fold.from);
+                let [near, far] = fold.ends(bins);
+                bins.lay(light, near, -0.5 * mass);
+                bins.lay(light, far, -0.5 * mass);
+                let (pieces, points) = bins.walk(near, far);
+                let each = mass / pieces as f32;
+                points.for_each(|(_, at)| bins.lay(light, at, each));
+            }
+        }
+    }
+
+    /// Toll of a row: about the share of the plate that its fillets take, and more where they are too sharp.
+    pub fn toll(&self, row: &Row<'_>) -> f64 {
+        let each = |fold: Fold| f64::from(self.share[fold.axis] * self.charge(fold.to - fold.from).0);
+        (0..row.p[0].len() - 1).map(|i| Self::of(row, i).into_iter().map(each).sum::<f64>()).sum()
+    }
+
+    /// Adds how Σ `potential` · light + `price` · toll answers to a row's rims; returns its toll.
+    pub fn pull(&self, row: &Row<'_>, bins: &Bins, potential: &[f32], price: f32, sums: &mut RowSums<'_>) -> f64 {
+        let mut toll = 0.0;
+        for i in 0..row.p[0].len() - 1 {
+            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to > fold.from) {
+                let share = self.share[fold.axis];
+                let (cost, rate) = self.charge(fold.to - fold.from);
+                toll += f64::from(share * cost);
+                let [from, to, along] = Self::strip(fold, bins, potential).map(|v| share * v);
+                let (from, to) = (from - price * share * rate, to + price * share * rate);
+                if fold.axis == 0 {
+                    sums.p[usize::from(row.p[1][i] < row.p[0][i])][i] += from;
+                    sums.p[usize::from(row.p[1][i + 1] > row.p[0][i + 1])][i + 1] += to;
+                    sums.q[0][i + 1] += along;
+                } else {
+                    sums.q[0][i + usize::from(row.q[0][i + 1] < row.q[0][i])] += from;
+                    sums.q[1][i + usize::from(row.q[1][i + 1] > row.q[1][i])] += to;
+                    sums.p[1][i] += along;
+                }
+            }
+        }
+        toll
+    }
+
+    /// How width · (mean of the potential along the way - mean of its ends) answers to a fold's ends and to the slope
+    /// along its rim.
+    fn strip(fold: Fold, bins: &Bins, potential: &[f32]) -> [f32; 3] {
+        let ends = fold.ends(bins);
+        let read = |at: Place| {
+            let (value, gradient) = bins.read(potential, at);
+            let slopes = bins.to_slope(gradient);
+            [value, slopes[fold.axis], slopes[1 - fold.axis]]
+        };
+        let [near, far] = ends.map(read);
+        let mut sums = [-0.5 * (near[0] + far[0]), -0.5 * near[1], -0.5 * far[1], -0.5 * (near[2] + far[2])];
+        let (pieces, points) = bins.walk(ends[0], ends[1]);
+        let each = 1.0 / pieces as f32;
+        for (t, at) in points {
+            let [value, across, along] = read(at);
+            sums[0] += each * value;
+            sums[1] += each * (1.0 - t) * across;
+            sums[2] += each * t * across;
+            sums[3] += each * along;
+        }
+        let width = fold.to - fold.from;
+        [width * sums[1] - sums[0], width * sums[2] + sums[0], width * sums[3]]
+    }
+
+    /// What a fold costs, and how that grows.
+    fn charge(&self, fold: f32) -> (f32, f32) {
+        if fold <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let whole = fold + SOFTNESS;
+        let over = (fold / self.most - 1.0).max(0.0);
+        (
+            fold * fold / whole + 0.5 * STIFFNESS * self.most * over * over,
+            fold * (fold + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat2, DVec2};
+
+    use super::*;
+    use crate::sculpt::light::Light;
+    use crate::sculpt::rims::Rims;
+    use crate::sculpt::target::SlopeTarget;
+
+    #[test]
+    fn a_groove_has_its_fillet_between_its_flanks() {
+        // z falls to the middle and rises again: slopes -0.4 and 0.4, one valley and one ridge a cell.
+        let (n, h, radius) = (16, 0.05, 0.03);
+        let lattice = Lattice { n, step: DVec2::splat(h) };
+        let z: Vec<f32> = (0..n * n).map(|k| 0.4 * h as f32 * ((k % n) as f32 - 8.0).abs()).collect();
+        let per_slope = DMat2::from_angle(0.3) * (0.45 * 128.0);
+        let target = SlopeTarget { side: 128, bin: 1.0, wanted: vec![], per_slope, middle: DVec2::splat(63.5) };
+        let bins = Bins::new(&target);
+        let folds = Folds::new(lattice, radius, 10.0);
+        let rims = Rims::new(lattice, &z);
+        let light = Light::new(lattice, bins, 0.0, Some(folds)).shine(&rims);
+        let share_near = |p: f64| {
+            let at = bins.place(p as f32, 0.0);
+            let near = |k: usize| ((k % 128) as f32 - at.x).hypot((k / 128) as f32 - at.y) < 1.9;
+            light.iter().enumerate().filter(|(k, _)| near(*k)).map(|(_, v)| f64::from(*v)).sum::<f64>()
+        };
+        // R Δs = 0.024 of the cell's 0.8 mm.
+        let fillet = radius * 0.8 / (n as f64 * h);
+        let flank = 0.5 * (1.0 - fillet);
+        for p in [-0.4, 0.4] {
+            assert!(share_near(p) > flank - 1e-6 && share_near(p) < flank + 0.1 * fillet, "{p}: {}", share_near(p));
+        }
+        // A disc 3.8 bins across on a way of 46 bins.
+        let per_bin = fillet / (0.8 * 0.45 * 128.0);
+        for p in [-0.25, 0.0, 0.3] {
+            assert!((share_near(p) / per_bin - 3.8).abs() < 1.0, "{p}: {}", share_near(p) / per_bin);
+        }
+        // Smooth at 0, the toll counts a little less than the strip.
+        let toll: f64 = (0..n).map(|j| folds.toll(&rims.row(j))).sum();
+        assert!(toll < fillet && toll > 0.9 * fillet, "{toll} {fillet}");
+    }
+}

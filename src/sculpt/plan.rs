@@ -1,0 +1,135 @@
+//! The steps of a design, and what each costs.
+
+use glam::DVec2;
+
+use super::design::Sculpting;
+use super::objective::Gaze;
+
+/// Nodes a side, at the most, of the first tries and of the matching.
+const COARSE: usize = 128;
+const MIDDLE: usize = 256;
+
+/// Length of a descent's first move, as a share of the largest number that it moves.
+pub const DESCENT_FIRST_MOVE: f64 = 0.02;
+
+/// Moves that a descent remembers.
+pub const MEMORY: usize = 10;
+
+/// A descent ends when a step gains less than this share.
+pub const TOLERANCE: f64 = 1e-6;
+
+/// A descent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stage {
+    /// How it looks at light.
+    pub gaze: Gaze,
+    /// Steps at the most.
+    pub steps: usize,
+    /// What folds that turn upward cost at its start, as a share of all loss.
+    pub folds: f64,
+    /// Whether it looks at what the tool really does.
+    pub watches_tool: bool,
+}
+
+const fn stage(blur: f64, alpha: f64, steps: usize, folds: f64) -> Stage {
+    let fine = blur < 0.4;
+    Stage { gaze: Gaze { blur, alpha, weighed: blur < 0.6 }, steps, folds, watches_tool: fine }
+}
+
+/// What every start goes through on the coarse grid, before some rounds of matching and a last descent: only then can be
+/// told which will end best.
+pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0)];
+
+/// Rounds of matching of a try.
+pub const TRIAL_ROUNDS: usize = 15;
+
+/// What follows them.
+pub const TRIAL_DESCENT: Stage = stage(0.5, 0.75, 30, 1.0);
+
+/// Rounds of matching on the middle grid.
+const ROUNDS: usize = 50;
+
+/// The descent after the matching, and on every finer grid.
+const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60, 1.0), stage(0.35, 0.5, 100, 0.3), stage(0.25, 0.25, 100, 0.1)];
+const FINISH: [Stage; 2] = [stage(0.35, 0.5, 60, 0.3), stage(0.25, 0.25, 80, 0.1)];
+
+/// One step of a design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Several starts.
+    Tries {
+        /// Nodes a side.
+        nodes: usize,
+    },
+    /// Exchanges between wanted slopes and reliefs.
+    Matching {
+        /// Nodes a side.
+        nodes: usize,
+        /// Exchanges.
+        rounds: usize,
+    },
+    /// A descent.
+    Descent {
+        /// Nodes a side.
+        nodes: usize,
+        /// How.
+        stage: Stage,
+    },
+}
+
+impl Step {
+    /// Nodes along a side of the cell.
+    pub fn nodes(&self) -> usize {
+        match *self {
+            Self::Tries { nodes } | Self::Matching { nodes, .. } | Self::Descent { nodes, .. } => nodes,
+        }
+    }
+
+    /// About how long it takes, in any unit: evaluations of the loss times nodes.
+    pub fn cost(&self) -> f64 {
+        let evaluations = match *self {
+            Self::Tries { .. } => 500,
+            Self::Matching { rounds, .. } => rounds,
+            Self::Descent { stage, .. } => stage.steps,
+        };
+        evaluations as f64 * self.nodes().pow(2) as f64
+    }
+}
+
+/// The steps to a relief of `sculpting`, in order.
+pub fn plan(sculpting: &Sculpting) -> Vec<Step> {
+    let mut nodes = halved(sculpting.grid, MIDDLE);
+    let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }, Step::Matching { nodes, rounds: ROUNDS }];
+    steps.extend(DESCENT.map(|stage| Step::Descent { nodes, stage }));
+    while nodes < sculpting.grid {
+        nodes = halved(sculpting.grid, 2 * nodes + 2);
+        steps.extend(FINISH.map(|stage| Step::Descent { nodes, stage }));
+    }
+    steps
+}
+
+/// `grid` halved until it is no more than `most`, an even number: what is level on a grid is level on its double.
+fn halved(grid: usize, most: usize) -> usize {
+    let mut nodes = grid;
+    while nodes > most {
+        nodes = (nodes / 2).next_multiple_of(2);
+    }
+    nodes
+}
+
+/// Nodes a side of a cell that suit a plate: fine enough for the picture and the cutter, and few enough for a file that
+/// can be handled.
+///
+/// `most_triangles` is for the whole plate.
+pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<f64>, most_triangles: usize) -> usize {
+    /// Enough for a picture: at half as many, details of a quarter of a degree are grainy.
+    const FOR_A_PICTURE: f64 = 400.0;
+    // Transforms are fast where all factors are small, and grids are halved once or twice on the way.
+    const SIDES: [usize; 16] = [64, 80, 96, 128, 160, 200, 240, 256, 320, 360, 400, 480, 512, 640, 800, 1024];
+    let by_file = (most_triangles as f64 / (2 * cells[0] * cells[1]) as f64).sqrt();
+    // From one triangle to the next a ball turns by the distance of nodes over its radius.
+    let by_cutter = cutter.map_or(0.0, |radius| cell.max_element() / (0.05 * radius));
+    let wanted = by_cutter.clamp(FOR_A_PICTURE, 1024.0);
+    let fitting = SIDES.into_iter().filter(|&n| n as f64 <= by_file.max(64.0));
+    fitting.clone().find(|&n| n as f64 >= wanted).or(fitting.max()).unwrap_or(64)
+}

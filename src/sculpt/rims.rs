@@ -1,0 +1,173 @@
+//! Slopes along the rims of a lattice's squares: all that light and folds ask of the heights.
+//!
+//! ```text
+//!    z01 ─ top ─ z11      bottom = p(i, j),  top   = p(i, j + 1):  rise along x over hx
+//!     │           │       left   = q(i, j),  right = q(i + 1, j):  rise along y over hy
+//!    left       right
+//!     │           │       Cut along the higher diagonal:
+//!    z00 ─ bot ─ z10      ╱ where top > bottom: triangles (bottom, right), (top, left)
+//!                         ╲ else:               triangles (bottom, left),  (top, right)
+//! ```
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use crate::fourier::frequency;
+
+/// Pieces of the grid that are worked on side by side and summed in order: the same for any number of threads.
+pub const BANDS: usize = 4;
+
+/// A square grid of heights over one cell, `n` × `n` nodes, `step` mm apart; opposite rims are joined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// Nodes a side.
+    pub n: usize,
+    /// Distance of nodes along x and y, mm.
+    pub step: DVec2,
+}
+
+impl Lattice {
+    /// Size of the cell, mm.
+    pub fn cell(&self) -> DVec2 {
+        self.step * self.n as f64
+    }
+
+    /// Radians a mm of wave (i, j) of the heights.
+    pub fn wave(&self, i: usize, j: usize) -> f64 {
+        (frequency(i, self.n) / self.step.x).hypot(frequency(j, self.n) / self.step.y)
+    }
+
+    /// Rows of squares in one of the [`BANDS`].
+    pub fn band(&self, band: usize) -> std::ops::Range<usize> {
+        self.n * band / BANDS..self.n * (band + 1) / BANDS
+    }
+}
+
+/// Slopes along rims, or how a value answers to them. Rows are `n + 1` long, the last column and the last row being the
+/// first again.
+pub struct Rims {
+    n: usize,
+    p: Vec<f32>,
+    q: Vec<f32>,
+}
+
+/// The slopes of a square's rims.
+#[derive(Clone, Copy, Debug)]
+pub struct Square {
+    /// p along the bottom.
+    pub bottom: f32,
+    /// p along the top.
+    pub top: f32,
+    /// q along the left side.
+    pub left: f32,
+    /// q along the right side.
+    pub right: f32,
+}
+
+impl Square {
+    /// Whether the square is cut from its lower left to its upper right corner.
+    #[inline]
+    pub fn rises(self) -> bool {
+        self.top > self.bottom
+    }
+}
+
+/// The rims of a row of squares, and of the row above.
+pub struct Row<'a> {
+    /// p along the bottoms and the tops.
+    pub p: [&'a [f32]; 2],
+    /// q along the sides of this row and of the next.
+    pub q: [&'a [f32]; 2],
+}
+
+impl Row<'_> {
+    /// Square `i` of the row.
+    #[inline]
+    pub fn square(&self, i: usize) -> Square {
+        Square { bottom: self.p[0][i], top: self.p[1][i], left: self.q[0][i], right: self.q[0][i + 1] }
+    }
+}
+
+/// What is being summed for a row of squares and the row above.
+pub struct RowSums<'a> {
+    /// Of bottoms and tops.
+    pub p: [&'a mut [f32]; 2],
+    /// Of the sides of this row and of the next.
+    pub q: [&'a mut [f32]; 2],
+}
+
+impl Rims {
+    /// The rims of heights `z`, mm, rows of constant y.
+    pub fn new(lattice: Lattice, z: &[f32]) -> Self {
+        let n = lattice.n;
+        let [px, py] = (1.0 / lattice.step).to_array().map(|v| v as f32);
+        let (mut p, mut q) = (vec![0.0; (n + 1) * (n + 1)], vec![0.0; (n + 1) * (n + 1)]);
+        let rows = p.par_chunks_mut(n + 1).zip(q.par_chunks_mut(n + 1)).enumerate().with_min_len(32);
+        rows.for_each(|(j, (p, q))| {
+            let (here, above) = (&z[j % n * n..][..n], &z[(j + 1) % n * n..][..n]);
+            for i in 0..n - 1 {
+                p[i] = px * (here[i + 1] - here[i]);
+            }
+            p[n - 1] = px * (here[0] - here[n - 1]);
+            for i in 0..n {
+                q[i] = py * (above[i] - here[i]);
+            }
+            (p[n], q[n]) = (p[0], q[0]);
+        });
+        Self { n, p, q }
+    }
+
+    /// Row `j` of squares.
+    #[inline]
+    pub fn row(&self, j: usize) -> Row<'_> {
+        let width = self.n + 1;
+        Row {
+            p: [&self.p[j * width..][..width], &self.p[(j + 1) * width..][..width]],
+            q: [&self.q[j * width..][..width], &self.q[(j + 1) * width..][..width]],
+        }
+    }
+
+    /// Sums over all squares how a value answers to the rims, carried over to the heights; and the sum of what `visit`
+    /// returns. `visit` is given each row of squares and where to add.
+    pub fn answer(&self, lattice: Lattice, visit: impl Fn(Row<'_>, &mut RowSums<'_>) -> f64 + Sync) -> (Vec<f32>, f64) {
+        let (n, width) = (self.n, self.n + 1);
+        let band = |band: usize| {
+            let rows = lattice.band(band);
+            let room = (rows.len() + 1) * width;
+            let (mut p, mut q, mut sum) = (vec![0.0; room], vec![0.0; room], 0.0);
+            for j in rows.clone() {
+                let at = (j - rows.start) * width;
+                let (p0, p1) = p[at..].split_at_mut(width);
+                let (q0, q1) = q[at..].split_at_mut(width);
+                let mut sums = RowSums { p: [p0, &mut p1[..width]], q: [q0, &mut q1[..width]] };
+                sum += visit(self.row(j), &mut sums);
+            }
+            (p, q, sum)
+        };
+        let bands: Vec<_> = (0..BANDS).into_par_iter().map(band).collect();
+        let (mut p, mut q) = (vec![0.0f32; width * width], vec![0.0f32; width * width]);
+        for (k, band) in bands.iter().enumerate() {
+            let at = lattice.band(k).start * width;
+            p[at..].iter_mut().zip(&band.0).for_each(|(sum, v)| *sum += v);
+            q[at..].iter_mut().zip(&band.1).for_each(|(sum, v)| *sum += v);
+        }
+        // The last column and row are the first ones.
+        for rims in [&mut p, &mut q] {
+            for j in 0..width {
+                rims[j * width] += rims[j * width + n];
+            }
+            let (first, last) = rims.split_at_mut(n * width);
+            first.iter_mut().zip(last).for_each(|(sum, v)| *sum += *v);
+        }
+        let [px, py] = (1.0 / lattice.step).to_array().map(|v| v as f32);
+        let mut heights = vec![0.0; n * n];
+        heights.par_chunks_mut(n).enumerate().with_min_len(32).for_each(|(j, row)| {
+            let (p, q, below) = (&p[j * width..], &q[j * width..], &q[(j + n - 1) % n * width..]);
+            for (i, z) in row.iter_mut().enumerate() {
+                let left = if i == 0 { n - 1 } else { i - 1 };
+                *z = px * (p[left] - p[i]) + py * (below[i] - q[i]);
+            }
+        });
+        (heights, bands.iter().map(|band| band.2).sum())
+    }
+}
