@@ -2,9 +2,13 @@
 
 pub mod bins;
 
+pub mod bound;
+
 pub mod closing;
 
 pub mod design;
+
+pub mod detail;
 
 pub mod light;
 
