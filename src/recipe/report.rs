@@ -11,7 +11,9 @@ use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
 use crate::projection::View;
 use crate::sculpt::design::Sculpture;
+use crate::sculpt::detail::Detail;
 use crate::verify::verdict::Verdict;
+use crate::verify::windows::Misplaced;
 
 /// Everything that is known of a design, as the object that `report.json` holds. `proof` is absent if nothing was traced.
 pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option<&Proof>) -> Value {
@@ -65,10 +67,22 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
         },
     });
     if let Some(sculpture) = &design.sculpture {
-        report["design"]["continuous"] = continuous(recipe, sculpture);
+        report["design"]["continuous"] = continuous(recipe, design, sculpture);
     }
     if let Some(proof) = proof {
         report["designed"] = proof.verdict.to_json();
+        if let Some(sheet) = &proof.sheet {
+            let misplaced = |m: Misplaced| json!({ "mean": m.mean, "largest": m.largest });
+            report["windows_tv_1deg"] = json!({
+                "one_cell": misplaced(sheet.windows.cell),
+                "half_cell": misplaced(sheet.windows.half_cell),
+            });
+            report["diffraction"] = json!({
+                "smallest_patch_mm": sheet.detail.map(Detail::patch),
+                "its_blur_deg": sheet.detail.map(Detail::blur),
+                "share_beyond_1deg": sheet.diffracted,
+            });
+        }
         if let Some(milled) = &proof.milled {
             report["as_milled"] = milled.verdict.to_json();
             report["as_milled"]["left_by_cutter_um"] = json!(1000.0 * milled.left);
@@ -79,7 +93,7 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
 }
 
 /// The facts of a continuous relief.
-fn continuous(recipe: &Recipe, sculpture: &Sculpture) -> Value {
+fn continuous(recipe: &Recipe, design: &Design, sculpture: &Sculpture) -> Value {
     let relief = &sculpture.relief;
     json!({
         "grid": relief.nodes,
@@ -89,6 +103,11 @@ fn continuous(recipe: &Recipe, sculpture: &Sculpture) -> Value {
         "start": sculpture.start,
         "misplaced_by_stage": sculpture.misplaced,
         "fillet_share": sculpture.fillets,
+        "least_stray": design.least_stray.map(|stray| json!({
+            "share": stray.share,
+            "gap_deg": stray.gap.map(|s| s.atan().to_degrees()),
+            "along_cells": stray.along,
+        })),
     })
 }
 

@@ -16,8 +16,12 @@ use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
-use crate::sculpt::design::{Sculpture, Waypoint, sculpt};
+use crate::relief::periodic::PeriodicRelief;
+use crate::sculpt::bound::Unavoidable;
+use crate::sculpt::design::{Sculpture, Waypoint, least_stray, sculpt};
+use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
 use crate::sculpt::milled::{Tool, levelled};
+use crate::setup::Setup;
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
 use crate::trace::mesh::MeshSurfaceError;
@@ -25,6 +29,7 @@ use crate::trace::plate::{self, Task};
 use crate::verify::measure::{Measuring, Mirrored};
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::Verdict;
+use crate::verify::windows::{Likeness, change, likeness};
 
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
@@ -40,6 +45,8 @@ pub struct Design {
     pub facets: Option<Facets>,
     /// The continuous sheet, if the relief is one.
     pub sculpture: Option<Sculpture>,
+    /// Light that its cutter cannot keep from straying, if it is for one.
+    pub least_stray: Option<Unavoidable>,
     /// The relief with its rim; of a continuous one, a plane for each square of its grid.
     pub relief: FacetedRelief,
     /// The closed solid.
@@ -66,8 +73,21 @@ pub struct Proof {
     pub measurement: Measurement,
     /// The figures.
     pub verdict: Verdict,
+    /// What is said of a continuous relief besides.
+    pub sheet: Option<SheetProof>,
     /// The same of the plate as its cutter leaves it, if it was designed for one.
     pub milled: Option<MilledProof>,
+}
+
+/// How a continuous relief looks in parts, and to diffraction; after its cutter, if it was designed for one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetProof {
+    /// Its windows against the picture.
+    pub windows: Likeness,
+    /// The smallest patch on which its light depends.
+    pub detail: Option<Detail>,
+    /// Share of the light from mirrors so small that diffraction spreads it by more than a degree.
+    pub diffracted: f64,
 }
 
 /// Light sent over a design as its cutter leaves it.
@@ -112,15 +132,25 @@ pub fn design_by_way(
             continuous(recipe, &distribution, (from, passed), &mut clock, progress)?
         }
     };
-    let Plate { facets, sculpture, relief, mesh } = plate;
+    let Plate { facets, sculpture, least_stray, relief, mesh } = plate;
     let seconds = clock.laps;
-    Ok(Design { below_plate: highlight.below_plate, distribution, facets, sculpture, relief, mesh, seconds })
+    Ok(Design {
+        below_plate: highlight.below_plate,
+        distribution,
+        facets,
+        sculpture,
+        least_stray,
+        relief,
+        mesh,
+        seconds,
+    })
 }
 
 /// What comes of either kind of relief.
 struct Plate {
     facets: Option<Facets>,
     sculpture: Option<Sculpture>,
+    least_stray: Option<Unavoidable>,
     relief: FacetedRelief,
     mesh: Mesh,
 }
@@ -132,15 +162,25 @@ fn continuous(
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
-    progress.stage("sculpting the relief");
+    let sculpting = recipe.sculpting();
+    let least_stray = least_stray(distribution, &sculpting);
+    match least_stray {
+        Some(stray) => {
+            let share = 100.0 * stray.share;
+            progress.stage(&format!(
+                "sculpting the relief (no cutter keeps less than {share:.2}% of the light from straying)"
+            ));
+        }
+        None => progress.stage("sculpting the relief"),
+    }
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
-    let sculpture = sculpt(distribution, &recipe.sculpting(), from, passed, progress).ok_or_else(none)?;
+    let sculpture = sculpt(distribution, &sculpting, from, passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
     clock.lap("solid");
-    Ok(Plate { facets: None, sculpture: Some(sculpture), relief, mesh })
+    Ok(Plate { facets: None, sculpture: Some(sculpture), least_stray, relief, mesh })
 }
 
 fn faceted(
@@ -177,7 +217,7 @@ fn faceted(
     progress.stage("closing the solid");
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap("solid");
-    Ok(Plate { facets: Some(Facets { grid, steps }), sculpture: None, relief, mesh })
+    Ok(Plate { facets: Some(Facets { grid, steps }), sculpture: None, least_stray: None, relief, mesh })
 }
 
 /// Sends light over the design's exact relief and scores what comes back against the picture.
@@ -196,28 +236,60 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     progress.stage("scoring");
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
-    let milled = prove_milled(recipe, design, &target, &measuring, progress)?;
-    Ok(Proof { target, measurement, verdict, milled })
+    let made = design.sculpture.as_ref().map(|sculpture| Made::of(recipe, sculpture));
+    let sheet = made.as_ref().and_then(|made| made.looked_at(&target, setup, measuring.seed));
+    let milled = prove_milled(recipe, made.as_ref(), setup, &target, &measuring, progress)?;
+    Ok(Proof { target, measurement, verdict, sheet, milled })
+}
+
+/// A continuous relief as it is made.
+struct Made {
+    /// One cell, after cutter and polish; as written, if it was not designed for them.
+    relief: PeriodicRelief,
+    /// The most that the cutter stays above the written surface, mm.
+    left: f64,
+}
+
+impl Made {
+    fn of(recipe: &Recipe, sculpture: &Sculpture) -> Self {
+        let relief = &sculpture.relief;
+        let (cut, left) = match recipe.design.cutter {
+            None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
+            Some(cutter) => {
+                let milled = Tool::new(relief.cell, cutter.radius()).mill(relief);
+                let left = milled.most_left();
+                (milled.relief, left)
+            }
+        };
+        Self { relief: levelled(cut, recipe.design.levelling), left }
+    }
+
+    fn looked_at(&self, target: &Raster, setup: &Setup, seed: u64) -> Option<SheetProof> {
+        // Windows lie anywhere on a plate of many cells.
+        let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
+        let changed = change(&self.relief, setup);
+        let detail = smallest_detail(&self.relief, &changed);
+        let diffracted = diffracted(&self.relief, 1.0, &changed);
+        Some(SheetProof { windows: likeness(&plate, setup, target, seed)?, detail, diffracted })
+    }
 }
 
 fn prove_milled(
     recipe: &Recipe,
-    design: &Design,
+    made: Option<&Made>,
+    setup: &Setup,
     target: &Raster,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Result<Option<MilledProof>, DesignError> {
-    let (Some(cutter), Some(sculpture)) = (recipe.design.cutter, &design.sculpture) else { return Ok(None) };
+    let is_made = recipe.design.cutter.is_some() || recipe.design.levelling > 0.0;
+    let Some(made) = made.filter(|_| is_made) else { return Ok(None) };
     progress.stage("milling it, and tracing that");
-    let milled = Tool::new(sculpture.relief.cell, cutter.radius()).mill(&sculpture.relief);
-    let left = milled.most_left();
-    let made = levelled(milled.relief, recipe.design.levelling);
-    let surface = plate::Plate::new(&sheet_solid(&made, recipe.plate.thickness, 0.0)?, 0.0)?;
-    let setup = &design.distribution.setup;
+    let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
     let measurement = surface.run(Mirrored { setup, measuring, progress }).ok_or_else(unlit)?;
     let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
-    Ok(Some(MilledProof { left, verdict }))
+    Ok(Some(MilledProof { left: made.left, verdict }))
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

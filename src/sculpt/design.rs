@@ -9,6 +9,7 @@ use crate::distribution::Distribution;
 use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 
+use super::bound::{Unavoidable, unavoidable};
 use super::closing::Closing;
 use super::matching::Matching;
 use super::milled::Tool;
@@ -47,6 +48,14 @@ pub struct Sculpting {
     pub max_depth: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
+}
+
+/// The light that no relief cut by the ball of `sculpting` can keep from straying; `None` without a cutter, or if the
+/// distribution's image is too narrow to be laid out.
+pub fn least_stray(distribution: &Distribution, sculpting: &Sculpting) -> Option<Unavoidable> {
+    const SAMPLES: usize = 1 << 16;
+    let radius = sculpting.cutter?;
+    Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, radius))
 }
 
 /// A relief on its way: all that is needed to go on from there.

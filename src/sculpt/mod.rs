@@ -8,6 +8,10 @@ pub mod start;
 
 pub mod target;
 
+pub mod bound;
+
+pub mod detail;
+
 pub mod bins;
 
 pub mod closing;

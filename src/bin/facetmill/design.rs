@@ -191,6 +191,17 @@ fn print_result(
     }
     if let Some(proof) = proof {
         table.extend(verdict_rows(&proof.verdict));
+        if let Some(sheet) = &proof.sheet {
+            let half = sheet.windows.half_cell.mean;
+            let whole = format!("{:.2} %", 100.0 * sheet.windows.cell.largest);
+            table.push(row(
+                "window of a cell",
+                whole,
+                format!("misplaced, anywhere on the plate; half a cell: {:.0} %", 100.0 * half),
+            ));
+            let share = format!("{:.2} %", 100.0 * sheet.diffracted);
+            table.push(row("small mirrors", share, "of the light comes from patches that diffract it by more than 1°"));
+        }
         if let Some(milled) = &proof.milled {
             let main = milled.verdict.main();
             let left = format!("{:.2} µm", 1000.0 * milled.left);

@@ -61,7 +61,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-    let proof = Proof { target, measurement, verdict, milled: None };
+    let proof = Proof { target, measurement, verdict, sheet: None, milled: None };
 
     progress.stage("writing files");
     let (bottom, top) = opened.heights;
