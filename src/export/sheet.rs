@@ -50,7 +50,7 @@ pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<
     for j in 0..ny - 1 {
         for i in 0..nx - 1 {
             let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| ((j + y) * nx + i + x) as u32);
-            mesh.triangles.extend([[a, b, c], [b, d, c]]);
+            mesh.triangles.extend(if relief.rises(i, j) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
         }
     }
     let mut loop_above = border(nx, ny);
@@ -156,6 +156,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
+    use crate::relief::recognise::{Recognised, recognise};
     use crate::slope::Slope;
 
     fn relief(cells: [usize; 2], tilt: Slope) -> PeriodicRelief {
@@ -192,7 +193,9 @@ mod tests {
             let prisms = (0..(nx - 1) * (ny - 1)).map(|k| {
                 let (i, j) = (k % (nx - 1), k / (nx - 1));
                 let z = |a: usize, b: usize| relief.node(i + a, j + b).z - low + 2.0;
-                (z(0, 0) + 2.0 * z(1, 0) + 2.0 * z(0, 1) + z(1, 1)) / 6.0 * relief.step().element_product()
+                // The ends of the cut belong to both triangles, and the cut is the higher diagonal.
+                let (rising, falling) = (z(0, 0) + z(1, 1), z(1, 0) + z(0, 1));
+                (rising + falling + rising.max(falling)) / 6.0 * relief.step().element_product()
             });
             let size = relief.size();
             let rim_area = (size + 2.0 * rim).element_product() - size.element_product();
@@ -201,6 +204,17 @@ mod tests {
             let (from, to) = mesh.bounds();
             assert!((to - from).truncate().distance(size + 2.0 * rim) < 1e-5);
         }
+    }
+
+    #[test]
+    fn every_square_is_written_with_its_own_cut() {
+        let relief = relief([2, 3], Slope::new(0.05, -0.1));
+        let Some(Recognised::Heights(grid)) = recognise(&sheet_solid(&relief, 2.0, 0.0).unwrap()) else {
+            panic!("not known again")
+        };
+        let rising: Vec<bool> = (0..150).map(|k| relief.rises(k % 10, k / 10)).collect();
+        assert!(rising.contains(&true) && rising.contains(&false));
+        assert_eq!(grid.rising, rising);
     }
 
     #[test]

@@ -2,8 +2,7 @@
 
 use glam::DVec2;
 
-/// Heights at the nodes of a rectilinear grid; each square is two triangles, cut from its lower right to its upper left
-/// corner.
+/// Heights at the nodes of a rectilinear grid; each square is cut along one of its diagonals into two triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightGrid {
     /// Grid lines across x, ascending, mm.
@@ -12,9 +11,24 @@ pub struct HeightGrid {
     pub y: Vec<f64>,
     /// Heights in rows of constant y, the lowest y first, mm: node (i, j) is `heights[j * x.len() + i]`.
     pub heights: Vec<f64>,
+    /// Which squares are cut from their lower left to their upper right corner, in rows of constant y, the lowest y
+    /// first: square (i, j) is `rising[j * (x.len() - 1) + i]`. All others are cut from lower right to upper left.
+    pub rising: Vec<bool>,
 }
 
 impl HeightGrid {
+    /// Nodes over the grid lines `x` and `y`, `heights` in rows of constant y; every square is cut along its higher
+    /// diagonal.
+    pub fn new(x: Vec<f64>, y: Vec<f64>, heights: Vec<f64>) -> Self {
+        assert_eq!(heights.len(), x.len() * y.len(), "one height a node");
+        let columns = x.len() - 1;
+        let rising = (0..columns * (y.len() - 1)).map(|k| {
+            let at = k / columns * x.len() + k % columns;
+            rises([heights[at], heights[at + 1], heights[at + x.len()], heights[at + x.len() + 1]])
+        });
+        Self { rising: rising.collect(), x, y, heights }
+    }
+
     /// Lowest and highest node, mm.
     pub fn height_range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)))
@@ -25,5 +39,31 @@ impl HeightGrid {
         let ends = |lines: &[f64]| (lines[0], lines[lines.len() - 1]);
         let ((west, east), (south, north)) = (ends(&self.x), ends(&self.y));
         (DVec2::new(west, south), DVec2::new(east, north))
+    }
+}
+
+/// Whether the higher diagonal of a square runs from its lower left to its upper right corner; where both are alike it
+/// does not.
+///
+/// `corners` are the heights at lower left, lower right, upper left and upper right, in one unit. Cut along the higher
+/// diagonal, the square's own fold is a ridge, which any tool can leave sharp; along the lower one it would be a valley,
+/// which a ball cutter fills.
+pub fn rises(corners: [f64; 4]) -> bool {
+    let [z00, z10, z01, z11] = corners;
+    z00 + z11 > z10 + z01
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn squares_are_cut_along_their_higher_diagonal() {
+        assert!(rises([1.0, 0.0, 0.0, 1.0]) && !rises([0.0, 1.0, 1.0, 0.0]));
+        assert!(!rises([0.0, 0.25, 0.5, 0.75]), "a plane square counts as falling");
+        // Two by one squares: a saddle, then one lower corner.
+        let grid = HeightGrid::new(vec![0.0, 1.0, 2.0], vec![0.0, 3.0], vec![1.0, 0.0, 1.0, 0.0, 1.0, 1.0]);
+        assert_eq!(grid.rising, [true, false]);
+        assert_eq!((grid.height_range(), grid.area()), ((0.0, 1.0), (DVec2::ZERO, DVec2::new(2.0, 3.0))));
     }
 }

@@ -3,12 +3,13 @@
 use glam::{DVec2, DVec3};
 
 use super::faceted::{Facet, FacetedRelief};
+use super::heights;
 use crate::slope::Slope;
 
 /// A periodic height grid repeated over a plate, with a mean slope of its own.
 ///
-/// Every square of the grid is cut from its lower right to its upper left corner into two plane triangles: these, and
-/// no smoother surface, are the relief. The optical area's lower-left corner is x = y = 0.
+/// Every square of the grid is cut along its higher diagonal into two plane triangles (see [`rises`](Self::rises)):
+/// these, and no smoother surface, are the relief. The optical area's lower-left corner is x = y = 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicRelief {
     /// Nodes along each side of a cell.
@@ -36,10 +37,24 @@ impl PeriodicRelief {
 
     /// Place of node (i, j) of the plate, mm.
     pub fn node(&self, i: usize, j: usize) -> DVec3 {
-        let n = self.nodes;
         let at = DVec2::new(i as f64, j as f64) * self.step();
-        let height = f64::from(self.heights[j % n * n + i % n]);
-        at.extend(height + self.tilt.to_vec().dot(at - 0.5 * self.size()))
+        at.extend(self.height(i, j) + self.tilt.to_vec().dot(at - 0.5 * self.size()))
+    }
+
+    /// Whether square (i, j) of the plate, its lower left corner node (i, j), is cut from there to its upper right corner;
+    /// else it is cut from its lower right to its upper left one.
+    ///
+    /// The cut is the higher diagonal, falling where both are as high, so that a square's own fold is a ridge and never
+    /// a valley: ridges come out clean whichever way they run, and no cutter has to reach into a square. It is told from
+    /// the cell's heights: the tilt raises both diagonals alike.
+    pub fn rises(&self, i: usize, j: usize) -> bool {
+        heights::rises([(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.height(i + a, j + b)))
+    }
+
+    /// Height of node (i, j) of the plate about the mean plane, mm.
+    fn height(&self, i: usize, j: usize) -> f64 {
+        let n = self.nodes;
+        f64::from(self.heights[j % n * n + i % n])
     }
 
     /// Size of the optical area, mm.
@@ -103,5 +118,22 @@ mod tests {
             assert_eq!(relief.node(i, j).z, relief.node(i + 3, j).z);
             assert_eq!(relief.node(i, j).z, relief.node(i + 3, j + 3).z);
         }
+    }
+
+    #[test]
+    fn a_square_folds_in_a_ridge_or_not_at_all() {
+        let heights: Vec<f32> = (0..25).map(|k| (k * k % 11) as f32 * 0.01).collect();
+        let level = PeriodicRelief { nodes: 5, heights, cell: DVec2::ONE, cells: [2, 2], tilt: Slope::FLAT };
+        let tilted = PeriodicRelief { tilt: Slope::new(0.3, -0.7), ..level.clone() };
+        for (i, j) in (0..100).map(|k| (k % 10, k / 10)) {
+            let z = |a: usize, b: usize| level.node(i + a, j + b).z;
+            let (rising, falling) = (z(0, 0) + z(1, 1), z(1, 0) + z(0, 1));
+            let [cut, other] = if level.rises(i, j) { [rising, falling] } else { [falling, rising] };
+            assert!(cut >= other, "({i}, {j})");
+            assert_eq!(level.rises(i, j), tilted.rises(i, j));
+            assert_eq!(level.rises(i, j), level.rises(i % 5, j % 5));
+        }
+        let flat = PeriodicRelief { heights: vec![0.1; 25], ..tilted };
+        assert!((0..100).all(|k| !flat.rises(k % 10, k / 10)));
     }
 }

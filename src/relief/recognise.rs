@@ -15,7 +15,7 @@ use crate::slope::Slope;
 pub enum Recognised {
     /// A plane over each rectangle.
     Facets(FacetedRelief),
-    /// Two triangles over each rectangle, neighbours meeting at the nodes.
+    /// Two triangles over each rectangle, which is cut either way; neighbours meet at the nodes.
     Heights(HeightGrid),
 }
 
@@ -156,7 +156,8 @@ fn nodes(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Opti
     }
     let rounding = rounding(mesh);
     let mut heights = vec![f64::NAN; x.len() * y.len()];
-    // Which of each square's two triangles have been seen: bit 0 the lower left one.
+    // Which triangles of each square have been seen: where it falls the lower one is 1 and the upper one 2, where it
+    // rises they are 4 and 8.
     let mut seen = vec![0u8; columns * (y.len() - 1)];
     for (&k, &home) in up.iter().zip(homes) {
         let (i, j) = (home as usize % columns, home as usize / columns);
@@ -177,11 +178,18 @@ fn nodes(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Opti
         seen[home as usize] |= match corners {
             0b0111 => 1,
             0b1110 => 2,
+            0b1011 => 4,
+            0b1101 => 8,
             _ => return None,
         };
     }
-    let whole = seen.iter().all(|&both| both == 3);
-    whole.then(|| HeightGrid { x: x.to_vec(), y: y.to_vec(), heights })
+    let rising = seen.iter().map(|&both| match both {
+        0b0011 => Some(false),
+        0b1100 => Some(true),
+        _ => None,
+    });
+    let rising = rising.collect::<Option<_>>()?;
+    Some(HeightGrid { x: x.to_vec(), y: y.to_vec(), heights, rising })
 }
 
 /// What single precision may have moved a vertex by, mm.
@@ -197,7 +205,13 @@ mod tests {
 
     use super::*;
 
-    fn triangles_of_squares(x: &[f64], y: &[f64], z: impl Fn(usize, usize) -> f64, turned: bool) -> Mesh {
+    /// Heights `z` at the crossings; square k, counted along the rows, is cut upward to the right where `rises` says so.
+    fn triangles_of_squares(
+        x: &[f64],
+        y: &[f64],
+        z: impl Fn(usize, usize) -> f64,
+        rises: impl Fn(usize) -> bool,
+    ) -> Mesh {
         let mut mesh = Mesh::default();
         for (j, &v) in y.iter().enumerate() {
             mesh.vertices.extend(x.iter().enumerate().map(|(i, &u)| [u as f32, v as f32, z(i, j) as f32]));
@@ -206,31 +220,52 @@ mod tests {
         for j in 0..y.len() - 1 {
             for i in 0..x.len() - 1 {
                 let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-                mesh.triangles.extend(if turned { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+                let rises = rises(j * (x.len() - 1) + i);
+                mesh.triangles.extend(if rises { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
             }
         }
         mesh
     }
 
     #[test]
-    fn a_height_grid_comes_back_node_for_node() {
+    fn a_height_grid_comes_back_node_for_node_and_cut_for_cut() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
         let (x, y) = ([0.0, 0.5, 1.0, 1.5, 4.0], [-1.0, 0.0, 0.25]);
         let heights: Vec<f64> = (0..15).map(|_| f64::from(random.random::<f32>())).collect();
-        let mesh = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], false);
-        let expected = HeightGrid { x: x.to_vec(), y: y.to_vec(), heights: heights.clone() };
-        assert_eq!(recognise(&mesh), Some(Recognised::Heights(expected)));
-        let turned = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], true);
-        assert_eq!(recognise(&turned), None);
-        let mut torn = mesh.clone();
-        torn.triangles.pop();
-        assert_eq!(recognise(&torn), None);
+        // Every way to cut the eight squares.
+        for cuts in 0..256 {
+            let rises = |k: usize| cuts >> k & 1 == 1;
+            let mesh = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], rises);
+            let rising = (0..8).map(rises).collect();
+            let expected = HeightGrid { x: x.to_vec(), y: y.to_vec(), heights: heights.clone(), rising };
+            assert_eq!(recognise(&mesh), Some(Recognised::Heights(expected)), "cuts {cuts}");
+            let mut torn = mesh.clone();
+            torn.triangles.pop();
+            assert_eq!(recognise(&torn), None);
+        }
+    }
+
+    #[test]
+    fn a_square_is_two_triangles_of_one_cut() {
+        let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0]);
+        let [falling, rising] = [false, true].map(|rises| {
+            let mesh = triangles_of_squares(&x, &y, |i, j| [[0.0, 0.3, 0.1], [0.5, 0.1, 0.4]][j][i], |_| rises);
+            assert!(matches!(recognise(&mesh), Some(Recognised::Heights(_))));
+            mesh
+        });
+        // The first square's triangles are any two of its four; those of one cut are the whole square.
+        let four = [&falling.triangles[..2], &rising.triangles[..2]].concat();
+        for (k, l) in (0..16).map(|pair| (pair % 4, pair / 4)) {
+            let mut mesh = falling.clone();
+            (mesh.triangles[0], mesh.triangles[1]) = (four[k], four[l]);
+            assert_eq!(recognise(&mesh).is_some(), k != l && k / 2 == l / 2, "{k} {l}");
+        }
     }
 
     #[test]
     fn one_plane_cut_into_a_grid_is_facets_of_that_plane() {
         let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.0, 2.0, 4.0]);
-        let mesh = triangles_of_squares(&x, &y, |i, j| 1.0 + 0.25 * x[i] - 0.125 * y[j], true);
+        let mesh = triangles_of_squares(&x, &y, |i, j| 1.0 + 0.25 * x[i] - 0.125 * y[j], |_| true);
         let Some(Recognised::Facets(relief)) = recognise(&mesh) else { panic!("not recognised") };
         assert_eq!((relief.columns(), relief.rows()), (3, 2));
         assert!(relief.facets.iter().all(|f| (f.slope.to_vec() - DVec2::new(0.25, -0.125)).length() < 1e-6));
@@ -240,7 +275,7 @@ mod tests {
     #[test]
     fn what_is_no_grid_is_not_taken_for_one() {
         assert_eq!(recognise(&Mesh::default()), None);
-        let mut tent = triangles_of_squares(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], |i, j| (i + j) as f64 * 0.1, false);
+        let mut tent = triangles_of_squares(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], |i, j| (i + j) as f64 * 0.1, |_| false);
         // The middle vertex off its place: the lines there are crossed.
         tent.vertices[4] = [1.2, 0.9, 0.7];
         assert_eq!(recognise(&tent), None);

@@ -53,7 +53,13 @@ fn height(relief: &PeriodicRelief, at: DVec2) -> f64 {
     let at = at * n as f64;
     let (i, j) = ((at.x as usize).min(n - 1), (at.y as usize).min(n - 1));
     let (a, b) = (at.x - i as f64, at.y - j as f64);
-    let z = |x: usize, y: usize| f64::from(relief.heights[(j + y) % n * n + (i + x) % n]);
+    // Where the cut rises, left and right are exchanged: in the mirror it falls.
+    let rises = relief.rises(i, j);
+    let a = if rises { 1.0 - a } else { a };
+    let z = |x: usize, y: usize| {
+        let x = if rises { 1 - x } else { x };
+        f64::from(relief.heights[(j + y) % n * n + (i + x) % n])
+    };
     if a + b <= 1.0 {
         z(0, 0) + a * (z(1, 0) - z(0, 0)) + b * (z(0, 1) - z(0, 0))
     } else {
@@ -128,6 +134,25 @@ mod tests {
         assert_eq!(n, 400);
         assert!((f64::from(cut.relief.heights[0]) - 0.2).abs() < 1e-6);
         assert_eq!((cut.relief.tilt, cut.relief.cells), (roof.tilt, [1, 1]));
+    }
+
+    #[test]
+    fn samples_stand_on_the_triangles_that_are_written() {
+        let rough = relief(12, |x, y| ((x * 91.0 + y * 57.0).sin() * 43.0).fract() * 0.02);
+        for (i, j) in (0..144).map(|k| (k % 12, k / 12)) {
+            let node = |[a, b]: [usize; 2]| f64::from(rough.heights[(j + b) % 12 * 12 + (i + a) % 12]);
+            let triangles = if rough.rises(i, j) {
+                [[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]]
+            } else {
+                [[[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]]
+            };
+            for corners in triangles {
+                let middle =
+                    corners.iter().map(|&[a, b]| DVec2::new((i + a) as f64, (j + b) as f64)).sum::<DVec2>() / 3.0;
+                let mean = corners.map(node).iter().sum::<f64>() / 3.0;
+                assert!((height(&rough, middle / 12.0) - mean).abs() < 1e-12, "({i}, {j}) {corners:?}");
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What stands over each rectangle of a grid: one plane, or two triangles between four nodes.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::heights::HeightGrid;
@@ -40,6 +40,9 @@ pub trait Field: Sync {
 
     /// Whether a ray that is not below the cell's surface and goes along `direction` cannot meet it.
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool;
+
+    /// The piece over a point of the cell (i, j), told in shares of its width and depth from its lower left corner.
+    fn piece(&self, i: usize, j: usize, share: DVec2) -> u8;
 
     /// Height over (x, y) of the plane of one piece, mm.
     fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64;
@@ -132,6 +135,11 @@ impl Field for Planes {
         self.plane(i, j).climb(direction) >= 0.0
     }
 
+    #[inline]
+    fn piece(&self, _i: usize, _j: usize, _share: DVec2) -> u8 {
+        0
+    }
+
     fn height_of(&self, i: usize, j: usize, _piece: u8, x: f64, y: f64) -> f64 {
         self.plane(i, j).height(x, y)
     }
@@ -151,55 +159,73 @@ impl Field for Planes {
     }
 }
 
-/// Heights at the nodes of a grid; each square is two triangles, cut from its lower right to its upper left corner.
+/// Heights at the nodes of a grid; each square is two triangles, cut along either diagonal.
 ///
-/// Piece 0 is the triangle at the lower left, piece 1 the one at the upper right.
+/// Piece 0 is the triangle below the cut, piece 1 the one above it.
 #[derive(Clone, Debug)]
 pub struct Nodes {
     x: Lines,
     y: Lines,
     heights: Vec<f64>,
+    /// Which squares are cut from lower left to upper right; a row of squares after the other.
+    rising: Vec<bool>,
 }
 
 impl Nodes {
     /// The triangles of `grid`.
     pub fn new(grid: &HeightGrid) -> Self {
-        assert_eq!(grid.heights.len(), grid.x.len() * grid.y.len(), "one height a node");
-        Self { x: Lines::new(&grid.x), y: Lines::new(&grid.y), heights: grid.heights.clone() }
+        let HeightGrid { x, y, heights, rising } = grid;
+        assert_eq!(heights.len(), x.len() * y.len(), "one height a node");
+        assert_eq!(rising.len(), (x.len() - 1) * (y.len() - 1), "one cut a square");
+        Self { x: Lines::new(x), y: Lines::new(y), heights: heights.clone(), rising: rising.clone() }
     }
 
     fn node(&self, i: usize, j: usize) -> f64 {
         self.heights[j * (self.x.intervals() + 1) + i]
     }
 
-    fn triangle(&self, i: usize, j: usize, piece: u8) -> Plane {
-        // The corner at the right angle is (i, j) below and (i + 1, j + 1) above.
-        let k = usize::from(piece);
-        let (x, y) = (self.x.at(i + k), self.y.at(j + k));
-        let (width, depth) = (self.x.at(i + 1) - self.x.at(i), self.y.at(j + 1) - self.y.at(j));
-        let p = (self.node(i + 1, j + k) - self.node(i, j + k)) / width;
-        let q = (self.node(i + k, j + 1) - self.node(i + k, j)) / depth;
-        Plane { z0: self.node(i + k, j + k) - p * x - q * y, p, q }
+    fn rises(&self, i: usize, j: usize) -> bool {
+        self.rising[j * self.x.intervals() + i]
     }
 
-    /// How far beyond the cut a point lies, from -1 at the lower left corner to 1 at the upper right one.
-    fn beyond_cut(&self, i: usize, j: usize, x: f64, y: f64) -> f64 {
+    #[inline]
+    fn triangle(&self, i: usize, j: usize, piece: u8) -> Plane {
+        // Its right angle is at the left below a cut that falls and above one that rises, else at the right.
+        let (a, b) = (i + usize::from((piece == 1) != self.rises(i, j)), j + usize::from(piece));
+        let (width, depth) = (self.x.at(i + 1) - self.x.at(i), self.y.at(j + 1) - self.y.at(j));
+        let p = (self.node(i + 1, b) - self.node(i, b)) / width;
+        let q = (self.node(a, j + 1) - self.node(a, j)) / depth;
+        Plane { z0: self.node(a, b) - p * self.x.at(a) - q * self.y.at(b), p, q }
+    }
+
+    /// Where (x, y) lies in the square, as shares of its width and depth.
+    #[inline]
+    fn share(&self, i: usize, j: usize, x: f64, y: f64) -> DVec2 {
         let (x0, x1, y0, y1) = (self.x.at(i), self.x.at(i + 1), self.y.at(j), self.y.at(j + 1));
-        (x - x0) / (x1 - x0) + (y - y0) / (y1 - y0) - 1.0
+        DVec2::new((x - x0) / (x1 - x0), (y - y0) / (y1 - y0))
+    }
+
+    /// How far above the cut a point lies, from -1 at the right angle of piece 0 to 1 at that of piece 1.
+    #[inline]
+    fn above_cut(&self, i: usize, j: usize, share: DVec2) -> f64 {
+        share.y - if self.rises(i, j) { share.x } else { 1.0 - share.x }
     }
 }
 
 impl Field for Nodes {
     const PIECES: usize = 2;
 
+    #[inline]
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8) {
-        let piece = u8::from(self.beyond_cut(i, j, x, y) > 0.0);
+        let piece = self.piece(i, j, self.share(i, j, x, y));
         (self.triangle(i, j, piece).height(x, y), piece)
     }
 
+    #[inline]
     fn meet(&self, i: usize, j: usize, stretch: Stretch) -> Option<(f64, u8)> {
         let Stretch { from, direction, entered, left } = stretch;
-        let side = |t: f64| self.beyond_cut(i, j, from.x + t * direction.x, from.y + t * direction.y);
+        let share = |t: f64| self.share(i, j, from.x + t * direction.x, from.y + t * direction.y);
+        let side = |t: f64| self.above_cut(i, j, share(t));
         let s0 = side(entered);
         // A vertical ray never leaves and never crosses the cut.
         let s1 = if left.is_finite() { side(left) } else { s0 };
@@ -215,14 +241,22 @@ impl Field for Nodes {
         meet(first, entered, cut).or_else(|| meet(second, cut, left))
     }
 
+    #[inline]
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
         [0, 1].into_iter().all(|piece| self.triangle(i, j, piece).climb(direction) >= 0.0)
     }
 
+    #[inline]
+    fn piece(&self, i: usize, j: usize, share: DVec2) -> u8 {
+        u8::from(self.above_cut(i, j, share) > 0.0)
+    }
+
+    #[inline]
     fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64 {
         self.triangle(i, j, piece).height(x, y)
     }
 
+    #[inline]
     fn gradient(&self, i: usize, j: usize, piece: u8) -> (f64, f64) {
         let plane = self.triangle(i, j, piece);
         (plane.p, plane.q)
@@ -234,6 +268,7 @@ impl Field for Nodes {
     }
 
     fn bytes(&self) -> usize {
-        size_of_val(self.heights.as_slice()) + self.x.bytes() + self.y.bytes()
+        let squares = size_of_val(self.heights.as_slice()) + size_of_val(self.rising.as_slice());
+        squares + self.x.bytes() + self.y.bytes()
     }
 }

@@ -354,8 +354,8 @@ impl<F: Field> Surface for GridSurface<F> {
         let (i, j, piece) = self.split(k);
         let (low, high) = self.lit(i, j);
         let mut u = DVec2::from(u);
-        if F::PIECES == 2 && (u.element_sum() > 1.0) != (piece == 1) {
-            // Folded over the cut onto the piece that is asked for.
+        if self.field.piece(i, j, u) != piece {
+            // Half a turn of the cell takes either of its triangles to the other.
             u = 1.0 - u;
         }
         let at = low + (high - low) * u;

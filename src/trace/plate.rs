@@ -131,7 +131,7 @@ mod tests {
             let area = Plate::new(&block(inside_out), 0.25).unwrap().run(Area);
             assert_eq!(area, (DVec2::splat(0.25), DVec2::splat(1.75)));
         }
-        let grid = HeightGrid { x: vec![0.0, 1.0], y: vec![0.0, 2.0], heights: vec![0.0; 4] };
+        let grid = HeightGrid::new(vec![0.0, 1.0], vec![0.0, 2.0], vec![0.0; 4]);
         assert_eq!(grid.area(), (DVec2::ZERO, DVec2::new(1.0, 2.0)));
     }
 }
