@@ -158,7 +158,7 @@ fn a_plane_tilted_by_t_throws_light_2t_aside() {
 fn dome(half: f64, n: usize, z: impl Fn(DVec2) -> f64) -> HeightGrid {
     let lines: Vec<f64> = (0..=n).map(|k| half * (2.0 * k as f64 / n as f64 - 1.0)).collect();
     let heights = lines.iter().flat_map(|&y| lines.iter().map(move |&x| DVec2::new(x, y))).map(z).collect();
-    HeightGrid { x: lines.clone(), y: lines, heights }
+    HeightGrid::new(lines.clone(), lines, heights)
 }
 
 fn facets_of_dome(half: f64, n: usize, z: impl Fn(DVec2) -> f64) -> FacetedRelief {

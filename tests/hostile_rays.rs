@@ -9,9 +9,12 @@ mod plates;
 
 use std::f64::consts::{PI, TAU};
 
+use facetmill::export::sheet::sheet_solid;
 use facetmill::export::solid::solid;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
 use facetmill::relief::heights::HeightGrid;
+use facetmill::relief::periodic::PeriodicRelief;
+use facetmill::relief::recognise::{Recognised, recognise};
 use facetmill::slope::{Slope, direction, mirror};
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
@@ -92,8 +95,12 @@ impl Reference for HeightGrid {
         let node = |a: usize, b: usize| self.heights[(j + b) * self.x.len() + i + a];
         let u = ((at.x - self.x[i]) / (self.x[i + 1] - self.x[i])).clamp(0.0, 1.0);
         let v = ((at.y - self.y[j]) / (self.y[j + 1] - self.y[j])).clamp(0.0, 1.0);
-        let lower = node(0, 0) + u * (node(1, 0) - node(0, 0)) + v * (node(0, 1) - node(0, 0));
-        let upper = node(1, 1) + (1.0 - u) * (node(0, 1) - node(1, 1)) + (1.0 - v) * (node(1, 0) - node(1, 1));
+        // In a mirror where the cut rises, so that it always falls.
+        let rises = self.rising[j * (self.x.len() - 1) + i];
+        let (u, left, right) = if rises { (1.0 - u, 1, 0) } else { (u, 0, 1) };
+        let [z00, z10, z01, z11] = [node(left, 0), node(right, 0), node(left, 1), node(right, 1)];
+        let lower = z00 + u * (z10 - z00) + v * (z01 - z00);
+        let upper = z11 + (1.0 - u) * (z01 - z11) + (1.0 - v) * (z10 - z11);
         [if u + v <= 1.0 { lower } else { upper }; 2]
     }
 }
@@ -286,7 +293,7 @@ fn endless_panels_do_not_leak() {
     }
 }
 
-/// Nodes at random, on eighths, or all level.
+/// Nodes at random, on eighths, or all level; squares cut at random.
 fn nodes(scale: f64, seed: u64) -> HeightGrid {
     let mut dice = Dice::new(seed);
     let lines =
@@ -298,7 +305,17 @@ fn nodes(scale: f64, seed: u64) -> HeightGrid {
         _ => 0.25,
     };
     let heights = (0..x.len() * y.len()).map(|_| scale * height(&mut dice)).collect();
-    HeightGrid { x, y, heights }
+    let rising = (0..8 * 7).map(|_| dice.below(2) == 1).collect();
+    HeightGrid { x, y, heights, rising }
+}
+
+/// The same nodes cut as `rises` says of each square, or along their higher diagonals.
+fn cut(grid: &HeightGrid, rises: Option<bool>) -> HeightGrid {
+    let HeightGrid { x, y, heights, rising } = grid.clone();
+    match rises {
+        Some(rises) => HeightGrid { rising: vec![rises; rising.len()], x, y, heights },
+        None => HeightGrid::new(x, y, heights),
+    }
 }
 
 #[test]
@@ -306,6 +323,12 @@ fn continuous_reliefs_do_not_leak() {
     for (seed, scale) in (0..9).map(|seed| (seed, [1.0, 1e-4, 1e5][seed as usize / 3])) {
         let grid = nodes(scale, seed);
         attack(&format!("nodes {seed} of {scale} mm"), &GridSurface::continuous(&grid), &grid, 20_000);
+        for (cuts, grid) in [Some(false), Some(true), None].map(|rises| (rises, cut(&grid, rises))) {
+            let name = format!("nodes {seed} of {scale} mm, rising {cuts:?}");
+            attack(&name, &GridSurface::continuous(&grid), &grid, 8_000);
+        }
+        let endless = GridSurface::continuous(&grid).endless();
+        attack(&format!("nodes {seed} of {scale} mm, endless"), &endless, &grid, 8_000);
     }
 }
 
@@ -330,21 +353,48 @@ fn a_grid_and_the_mesh_of_its_solid_are_met_alike() {
         let slope = Slope::new(whole(facet.slope.p, 64.0), whole(facet.slope.q, 64.0));
         *facet = Facet { height: whole(facet.height, 4096.0), slope };
     }
-    let (grid, mesh) = (GridSurface::new(&relief), MeshSurface::new(&solid(&relief, 1.0).unwrap(), 0.0).unwrap());
+    let mesh = MeshSurface::new(&solid(&relief, 1.0).unwrap(), 0.0).unwrap();
+    assert!(bounces_alike(&GridSurface::new(&relief), &mesh) > 50_000);
+}
+
+#[test]
+fn a_sheet_and_the_mesh_that_is_written_are_met_alike() {
+    // In parts of 2⁻¹² again, the tilt too; steep enough for many bounces.
+    let mut dice = Dice::new(9);
+    let heights = (0..64).map(|_| dice.below(2048) as f32 / 4096.0).collect();
+    let tilt = Slope::new(0.125, -0.25);
+    let sheet = PeriodicRelief { nodes: 8, heights, cell: DVec2::new(2.0, 1.5), cells: [5, 4], tilt };
+    let [columns, rows] = sheet.plate_nodes().map(|nodes| nodes - 1);
+    let lines = |n: usize, step: f64| (0..=n).map(|k| k as f64 * step).collect();
+    let nodes = (0..(columns + 1) * (rows + 1)).map(|k| sheet.node(k % (columns + 1), k / (columns + 1)).z);
+    let rising = (0..columns * rows).map(|k| sheet.rises(k % columns, k / columns)).collect();
+    let step = sheet.step();
+    let grid = HeightGrid { x: lines(columns, step.x), y: lines(rows, step.y), heights: nodes.collect(), rising };
+    let written = sheet_solid(&sheet, 1.0, 0.0).unwrap();
+    assert_eq!(recognise(&written), Some(Recognised::Heights(grid.clone())));
+    let mesh = MeshSurface::new(&written, 0.0).unwrap();
+    let bounces = bounces_alike(&GridSurface::continuous(&grid), &mesh);
+    assert!(bounces > 30_000, "{bounces}");
+}
+
+/// Follows the same rays over a grid and over a mesh and demands that they meet the same; how often they do.
+fn bounces_alike(grid: &impl Surface, mesh: &MeshSurface) -> usize {
+    let size = grid.optical_area().1;
     let mut bounces = 0;
     for seed in 0..50_000 {
         let mut dice = Dice::new(seed);
         let l = direction((1.0 - dice.unit().powi(2)) * 1.55, TAU * dice.unit());
-        let target = DVec3::new(12.0 * dice.unit(), 10.0 * dice.unit(), grid.height_range().0);
+        let target = DVec3::new(size.x * dice.unit(), size.y * dice.unit(), grid.height_range().0);
         let (start, mut d) = (target + l * 20.0 / l.z, -l);
         let (mut a, mut b) = (grid.first(start, d), mesh.first(start, d));
         let mut here = 0;
         while let (Some(ours), Some(theirs)) = (a, b) {
-            assert!(ours.point.distance(theirs.point) < 1e-6 * 12.0, "trial {seed}: {ours:?}, {theirs:?}");
+            let (at, there) = (ours.point, theirs.point);
+            assert!(at.distance(there) < 1e-6 * size.max_element(), "trial {seed}: {at}, {there}");
             let (normal, kind) = (grid.normal(ours.place), grid.kind(ours.place));
             let other = (mesh.normal(theirs.place), mesh.kind(theirs.place));
             let alike = normal.distance(other.0) < 1e-6 && kind == other.1;
-            assert!(alike, "trial {seed}: {normal} {kind:?}, {other:?} at {}, {}, along {d}", ours.point, theirs.point);
+            assert!(alike, "trial {seed}: {normal} {kind:?}, {other:?} at {at}, {there}, along {d}");
             if kind == Kind::Outer || here == BOUNCES {
                 (a, b) = (None, None);
                 continue;
@@ -353,9 +403,10 @@ fn a_grid_and_the_mesh_of_its_solid_are_met_alike() {
             d = mirror(-d, normal);
             (a, b) = (grid.next(&ours, d), mesh.next(&theirs, d));
         }
-        assert_eq!(a.is_some(), b.is_some(), "trial {seed}: only one of them is met: {a:?}, {b:?}");
+        let ends = (a.map(|hit| hit.point), b.map(|hit| hit.point));
+        assert_eq!(a.is_some(), b.is_some(), "trial {seed}: only one of them is met: {ends:?}");
     }
-    assert!(bounces > 50_000);
+    bounces
 }
 
 #[test]

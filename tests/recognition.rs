@@ -108,6 +108,7 @@ fn a_continuous_mesh_is_known_node_for_node_and_sends_the_same_light() {
     let mesh = waves::waves();
     let Some(Recognised::Heights(grid)) = recognise(&mesh) else { panic!("not known") };
     assert_eq!((grid.x.len(), grid.y.len()), (49, 49));
+    assert!(grid.rising.iter().all(|&rises| !rises));
     for (k, z) in grid.heights.iter().enumerate() {
         let vertex = mesh.vertices[49 * 49 + k].map(f64::from);
         assert_eq!([grid.x[k % 49], grid.y[k / 49], *z], vertex, "node {k}");
@@ -137,10 +138,11 @@ fn what_is_no_relief_on_a_grid_is_left_alone() {
         }
         assert!(recognise(&moved(mesh, |v| v + DVec3::new(100.0, -50.0, 8.0))).is_some(), "only moved");
     }
-    // A quarter turn maps facets on a grid to such; squares are then cut the other way.
+    // A quarter turn maps a grid to a grid; its squares are then cut the other way.
     let quarter = |v: DVec3| DVec3::new(-v.y, v.x, v.z);
     assert!(matches!(recognise(&moved(&faceted, quarter)), Some(Recognised::Facets(_))));
-    assert_eq!(recognise(&moved(&continuous, quarter)), None);
+    let Some(Recognised::Heights(turned)) = recognise(&moved(&continuous, quarter)) else { panic!("not known") };
+    assert!(turned.rising.iter().all(|&rises| rises));
 
     let (rings, around) = (12u32, 24u32);
     let mut sphere = Mesh::default();

@@ -1,6 +1,6 @@
 //! What stands over each rectangle of a grid: one plane, or two triangles between four nodes.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::heights::HeightGrid;
@@ -40,6 +40,9 @@ pub trait Field: Sync {
 
     /// Whether a ray that is not below the cell's surface and goes along `direction` cannot meet it.
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool;
+
+    /// The piece over a point of the cell (i, j), told in shares of its width and depth from its lower left corner.
+    fn piece(&self, i: usize, j: usize, share: DVec2) -> u8;
 
     /// Height over (x, y) of the plane of one piece, mm.
     fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64;
@@ -130,6 +133,11 @@ impl Field for Planes {
     #[inline]
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
         self.plane(i, j).climb(direction) >= 0.0
+    }
+
+    #[inline]
+    fn piece(&self, _i: usize, _j: usize, _share: DVec2) -> u8 {
+        0
     }
 
     fn height_of(&self, i: usize, j: usize, _piece: u8, x: f64, y: f64) -> f64 {
