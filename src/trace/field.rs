@@ -180,47 +180,35 @@ impl Nodes {
         Self { x: Lines::new(x), y: Lines::new(y), heights: heights.clone(), rising: rising.clone() }
     }
 
-    #[inline]
-    fn square(&self, i: usize, j: usize) -> Square {
-        let columns = self.x.intervals();
-        let rises = usize::from(self.rising[j * columns + i]);
-        let across = [i + rises, i + 1 - rises];
-        Square {
-            x: across.map(|i| self.x.at(i)),
-            y: [self.y.at(j), self.y.at(j + 1)],
-            z: [j, j + 1].map(|j| across.map(|i| self.heights[j * (columns + 1) + i])),
-        }
+    fn node(&self, i: usize, j: usize) -> f64 {
+        self.heights[j * (self.x.intervals() + 1) + i]
     }
-}
 
-/// One square of [`Nodes`], its lines and heights at hand. Where the cut rises, left and right are exchanged, so that
-/// it falls in every square.
-#[derive(Clone, Copy)]
-struct Square {
-    /// Left and right line.
-    x: [f64; 2],
-    /// Lower and upper line.
-    y: [f64; 2],
-    /// Heights on the lower and on the upper line.
-    z: [[f64; 2]; 2],
-}
+    fn rises(&self, i: usize, j: usize) -> bool {
+        self.rising[j * self.x.intervals() + i]
+    }
 
-impl Square {
     #[inline]
-    fn triangle(self, piece: u8) -> Plane {
-        let Self { x, y, z } = self;
-        // The corner at the right angle is the lower left one below the cut and the upper right one above it.
-        let k = usize::from(piece);
-        let p = (z[k][1] - z[k][0]) / (x[1] - x[0]);
-        let q = (z[1][k] - z[0][k]) / (y[1] - y[0]);
-        Plane { z0: z[k][k] - p * x[k] - q * y[k], p, q }
+    fn triangle(&self, i: usize, j: usize, piece: u8) -> Plane {
+        // Its right angle is at the left below a cut that falls and above one that rises, else at the right.
+        let (a, b) = (i + usize::from((piece == 1) != self.rises(i, j)), j + usize::from(piece));
+        let (width, depth) = (self.x.at(i + 1) - self.x.at(i), self.y.at(j + 1) - self.y.at(j));
+        let p = (self.node(i + 1, b) - self.node(i, b)) / width;
+        let q = (self.node(a, j + 1) - self.node(a, j)) / depth;
+        Plane { z0: self.node(a, b) - p * self.x.at(a) - q * self.y.at(b), p, q }
+    }
+
+    /// Where (x, y) lies in the square, as shares of its width and depth.
+    #[inline]
+    fn share(&self, i: usize, j: usize, x: f64, y: f64) -> DVec2 {
+        let (x0, x1, y0, y1) = (self.x.at(i), self.x.at(i + 1), self.y.at(j), self.y.at(j + 1));
+        DVec2::new((x - x0) / (x1 - x0), (y - y0) / (y1 - y0))
     }
 
     /// How far above the cut a point lies, from -1 at the right angle of piece 0 to 1 at that of piece 1.
     #[inline]
-    fn beyond_cut(self, x: f64, y: f64) -> f64 {
-        let Self { x: [x0, x1], y: [y0, y1], .. } = self;
-        (x - x0) / (x1 - x0) + (y - y0) / (y1 - y0) - 1.0
+    fn above_cut(&self, i: usize, j: usize, share: DVec2) -> f64 {
+        share.y - if self.rises(i, j) { share.x } else { 1.0 - share.x }
     }
 }
 
@@ -229,22 +217,21 @@ impl Field for Nodes {
 
     #[inline]
     fn surface(&self, i: usize, j: usize, x: f64, y: f64) -> (f64, u8) {
-        let square = self.square(i, j);
-        let piece = u8::from(square.beyond_cut(x, y) > 0.0);
-        (square.triangle(piece).height(x, y), piece)
+        let piece = self.piece(i, j, self.share(i, j, x, y));
+        (self.triangle(i, j, piece).height(x, y), piece)
     }
 
     #[inline]
     fn meet(&self, i: usize, j: usize, stretch: Stretch) -> Option<(f64, u8)> {
         let Stretch { from, direction, entered, left } = stretch;
-        let square = self.square(i, j);
-        let side = |t: f64| square.beyond_cut(from.x + t * direction.x, from.y + t * direction.y);
+        let share = |t: f64| self.share(i, j, from.x + t * direction.x, from.y + t * direction.y);
+        let side = |t: f64| self.above_cut(i, j, share(t));
         let s0 = side(entered);
         // A vertical ray never leaves and never crosses the cut.
         let s1 = if left.is_finite() { side(left) } else { s0 };
         let (first, second) = (u8::from(s0 > 0.0 || (s0 == 0.0 && s1 > 0.0)), u8::from(s1 > 0.0));
         let meet = |piece, entered, left| {
-            let t = square.triangle(piece).meet(Stretch { entered, left, ..stretch })?;
+            let t = self.triangle(i, j, piece).meet(Stretch { entered, left, ..stretch })?;
             Some((t, piece))
         };
         if first == second {
@@ -256,23 +243,28 @@ impl Field for Nodes {
 
     #[inline]
     fn clears(&self, i: usize, j: usize, direction: DVec3) -> bool {
-        let square = self.square(i, j);
-        [0, 1].into_iter().all(|piece| square.triangle(piece).climb(direction) >= 0.0)
+        [0, 1].into_iter().all(|piece| self.triangle(i, j, piece).climb(direction) >= 0.0)
+    }
+
+    #[inline]
+    fn piece(&self, i: usize, j: usize, share: DVec2) -> u8 {
+        u8::from(self.above_cut(i, j, share) > 0.0)
     }
 
     #[inline]
     fn height_of(&self, i: usize, j: usize, piece: u8, x: f64, y: f64) -> f64 {
-        self.square(i, j).triangle(piece).height(x, y)
+        self.triangle(i, j, piece).height(x, y)
     }
 
     #[inline]
     fn gradient(&self, i: usize, j: usize, piece: u8) -> (f64, f64) {
-        let plane = self.square(i, j).triangle(piece);
+        let plane = self.triangle(i, j, piece);
         (plane.p, plane.q)
     }
 
     fn top(&self, i: usize, j: usize) -> f64 {
-        self.square(i, j).z.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max)
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        corners.into_iter().map(|(a, b)| self.node(i + a, j + b)).fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn bytes(&self) -> usize {

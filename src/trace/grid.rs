@@ -353,12 +353,12 @@ impl<F: Field> Surface for GridSurface<F> {
     fn point_on(&self, k: usize, u: [f64; 2]) -> DVec3 {
         let (i, j, piece) = self.split(k);
         let (low, high) = self.lit(i, j);
-        let within = |u: DVec2| low + (high - low) * u;
-        let mut at = within(u.into());
-        if self.field.surface(i, j, at.x, at.y).1 != piece {
+        let mut u = DVec2::from(u);
+        if self.field.piece(i, j, u) != piece {
             // Half a turn of the cell takes either of its triangles to the other.
-            at = within(1.0 - DVec2::from(u));
+            u = 1.0 - u;
         }
+        let at = low + (high - low) * u;
         at.extend(self.field.height_of(i, j, piece, at.x, at.y))
     }
 
