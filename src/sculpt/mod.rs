@@ -4,6 +4,22 @@ pub mod rims;
 
 pub mod waves;
 
+pub mod bound;
+
+pub mod closing;
+
+pub mod design;
+
+pub mod detail;
+
+pub mod light;
+
+pub mod milled;
+
+pub mod matching;
+
+pub mod objective;
+
 pub mod start;
 
 pub mod target;

@@ -31,3 +31,5 @@ mod gather;
 pub mod look;
 
 pub mod verdict;
+
+pub mod windows;

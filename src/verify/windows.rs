@@ -1,0 +1,297 @@
+//! How alike a continuous plate looks from window to window: what is left of the picture when only a part of the plate
+//! is lit or seen.
+//!
+//! Light is that of the first bounce off mirrors: each triangle that the light reaches from the front sends its share to
+//! one place, whatever stands in the way (`verify::measure` follows all of it). A window is made of whole squares of the
+//! grid. Of a relief that repeats, a window of one cell holds every square of the cell once wherever it lies, so that all
+//! such windows look the same; half a cell along each side holds a quarter of them.
+
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+
+use super::score::blurred;
+use super::verdict::MAIN_BLUR;
+use crate::projection::View;
+use crate::raster::Raster;
+use crate::relief::periodic::PeriodicRelief;
+use crate::setup::Setup;
+use crate::slope::{Slope, mirror};
+
+/// Windows of half a cell: one at a random place in each of 4 × 4 parts of the cell.
+pub const PLACES: usize = PARTS * PARTS;
+const PARTS: usize = 4;
+
+/// Light in the wrong place over windows of one size: total variation as a share of all light that falls on the window,
+/// at a blur of [`MAIN_BLUR`]. What misses the image is in the wrong place too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Misplaced {
+    /// Over all windows.
+    pub mean: f64,
+    /// In the worst window.
+    pub largest: f64,
+}
+
+/// How like the picture the windows of a plate are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Likeness {
+    /// Windows of one cell.
+    pub cell: Misplaced,
+    /// Windows of half a cell along each side.
+    pub half_cell: Misplaced,
+}
+
+/// Compares windows of `relief` with `target` (flux per pixel, sum 1, row 0 on top), at places that follow from `seed`.
+///
+/// `None` if one of the windows gets no light.
+pub fn likeness(relief: &PeriodicRelief, setup: &Setup, target: &Raster, seed: u64) -> Option<Likeness> {
+    let light = FirstLight::new(relief, setup, (target.width, target.height));
+    let n = relief.nodes;
+    let wanted = blurred(target, setup.view(), MAIN_BLUR.to_radians());
+    let misplaced = |corners: &[[usize; 2]], side: usize| {
+        let each = |&corner: &[usize; 2]| Some(misplaced(&light.window(corner, side)?, &wanted, setup.view()));
+        let values: Vec<f64> = corners.par_iter().map(each).collect::<Option<_>>()?;
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        Some(Misplaced { mean, largest: values.into_iter().fold(0.0, f64::max) })
+    };
+    let half = (n / 2).max(1);
+    Some(Likeness { cell: misplaced(&[[0, 0]], n)?, half_cell: misplaced(&places(relief, half, seed), half)? })
+}
+
+/// Lower left corners of windows of `side` squares a side, spread over the cell.
+fn places(relief: &PeriodicRelief, side: usize, seed: u64) -> Vec<[usize; 2]> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    // Where there is but one cell, a window that reaches over its rim would lie half beyond the plate.
+    let room = relief.cells.map(|cells| if cells > 1 { relief.nodes } else { relief.nodes + 1 - side });
+    let mut along = |part: usize, room: usize| {
+        let at = (part as f64 + unit()) / PARTS as f64;
+        ((at * room as f64) as usize).min(room - 1)
+    };
+    (0..PLACES).map(|k| [along(k % PARTS, room[0]), along(k / PARTS, room[1])]).collect()
+}
+
+/// By how much the light of a cell of `relief` changes with its heights, as `sculpt::detail` asks: the total variation
+/// between the light of other heights and that of its own, at a blur of [`MAIN_BLUR`].
+pub fn change<'a>(relief: &'a PeriodicRelief, setup: &'a Setup) -> impl Fn(&[f32]) -> f64 + 'a {
+    let light = |heights: &[f32]| {
+        let PeriodicRelief { nodes, cell, cells, tilt, .. } = *relief;
+        let other = PeriodicRelief { nodes, heights: heights.to_vec(), cell, cells, tilt };
+        FirstLight::new(&other, setup, CHANGE_RESOLUTION).window([0, 0], nodes)
+    };
+    let before = light(&relief.heights).map(|image| blurred(&image, setup.view(), MAIN_BLUR.to_radians()));
+    move |heights| match (&before, light(heights)) {
+        (Some(before), Some(after)) => misplaced(&after, before, setup.view()),
+        (None, None) => 0.0,
+        _ => 1.0,
+    }
+}
+
+/// Pixels of the image on which changes are seen.
+const CHANGE_RESOLUTION: (usize, usize) = (256, 256);
+
+/// Total variation between `light` (a share of what falls on a window) and `wanted`, which is blurred already.
+fn misplaced(light: &Raster, wanted: &Raster, view: &View) -> f64 {
+    let seen = blurred(light, view, MAIN_BLUR.to_radians());
+    let apart: f64 = seen.values.iter().zip(&wanted.values).map(|(a, b)| (a - b).abs()).sum();
+    // What is in neither image sits in one more bin, "elsewhere".
+    0.5 * (apart + (seen.sum() - wanted.sum()).abs())
+}
+
+/// Where the triangles of one cell send light at the first bounce.
+pub struct FirstLight {
+    nodes: usize,
+    resolution: (usize, usize),
+    /// Both triangles of every square.
+    glints: Vec<[Glint; 2]>,
+}
+
+/// The light of one triangle.
+#[derive(Clone, Copy)]
+struct Glint {
+    /// Pixel of the image; [`NOWHERE`] if it misses the image or is sent down.
+    pixel: u32,
+    /// Light that falls on it, in that of a triangle that faces the light.
+    light: f32,
+}
+
+const NOWHERE: u32 = u32::MAX;
+
+impl FirstLight {
+    /// For an image of `resolution` = (width, height) pixels.
+    pub fn new(relief: &PeriodicRelief, setup: &Setup, resolution: (usize, usize)) -> Self {
+        let n = relief.nodes;
+        let (step, l) = (relief.step(), setup.light());
+        let glint = |[p, q]: [f64; 2]| {
+            let slope = Slope::new(relief.tilt.p + p / step.x, relief.tilt.q + q / step.y);
+            // All triangles have the same footprint.
+            let light = slope.intercept(l).max(0.0) as f32;
+            let o = mirror(l, slope.normal());
+            let uv = if o.z > 0.0 { setup.image_of(o) } else { None };
+            let pixel = uv.and_then(|uv| View::pixel_at(uv, resolution.0, resolution.1));
+            Glint { pixel: pixel.map_or(NOWHERE, |(column, row)| (row * resolution.0 + column) as u32), light }
+        };
+        let square = |k: usize| {
+            let (i, j) = (k % n, k / n);
+            let z = |x: usize, y: usize| f64::from(relief.heights[(j + y) % n * n + (i + x) % n]);
+            let corners = [z(0, 0), z(1, 0), z(0, 1), z(1, 1)];
+            let [z00, z10, z01, z11] = corners;
+            if rises(corners) {
+                [glint([z10 - z00, z11 - z10]), glint([z11 - z01, z01 - z00])]
+            } else {
+                [glint([z10 - z00, z01 - z00]), glint([z11 - z01, z11 - z10])]
+            }
+        };
+        let glints = (0..n * n).into_par_iter().with_min_len(1 << 10).map(square).collect();
+        Self { nodes: n, resolution, glints }
+    }
+
+    /// The image of the window of `side` squares a side whose lower left corner is node `corner`: shares of the light that
+    /// falls on the window, which reaches into the next cells where it must. `None` if no light falls on it.
+    pub fn window(&self, [i0, j0]: [usize; 2], side: usize) -> Option<Raster> {
+        let n = self.nodes;
+        let mut image = Raster::zeros(self.resolution.0, self.resolution.1);
+        let mut all = 0.0;
+        for j in j0..j0 + side {
+            let row = &self.glints[j % n * n..][..n];
+            for glint in (i0..i0 + side).flat_map(|i| row[i % n]) {
+                let light = f64::from(glint.light);
+                all += light;
+                if glint.pixel != NOWHERE {
+                    image.values[glint.pixel as usize] += light;
+                }
+            }
+        }
+        (all > 0.0).then(|| image.scaled(1.0 / all))
+    }
+}
+
+/// Whether a square with corners z00, z10, z01, z11 is cut from its lower left to its upper right corner.
+fn rises([z00, z10, z01, z11]: [f64; 4]) -> bool {
+    z00 + z11 > z10 + z01
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glam::DVec2;
+
+    use super::*;
+    use crate::projection::Projection;
+
+    const SIDE: usize = 128;
+
+    fn setup(theta: f64) -> Setup {
+        Setup::new(theta, 0.3, 0.0, Projection::Equidistant, f64::to_radians(20.0))
+    }
+
+    fn relief(nodes: usize, cells: [usize; 2], height: impl Fn(f64, f64) -> f64) -> PeriodicRelief {
+        let heights = (0..nodes * nodes)
+            .map(|k| height((k % nodes) as f64 / nodes as f64, (k / nodes) as f64 / nodes as f64) as f32)
+            .collect();
+        PeriodicRelief { nodes, heights, cell: DVec2::new(2.0, 3.0), cells, tilt: Slope::new(0.02, -0.01) }
+    }
+
+    fn hills(waves: f64) -> impl Fn(f64, f64) -> f64 {
+        move |x, y| 0.04 / waves * ((TAU * waves * x).sin() * (TAU * waves * (y + 0.1)).cos() + (TAU * waves * x).cos())
+    }
+
+    /// Light that just such a cell would send, moved by a degree or so.
+    fn moved(relief: &PeriodicRelief, setup: &Setup) -> Raster {
+        let elsewhere = PeriodicRelief { tilt: Slope::new(0.03, -0.01), ..relief.clone() };
+        FirstLight::new(&elsewhere, setup, (SIDE, SIDE)).window([0, 0], relief.nodes).unwrap().normalised()
+    }
+
+    #[test]
+    fn windows_of_one_cell_show_what_the_cell_shows() {
+        let setup = setup(0.4);
+        let relief = relief(40, [3, 3], hills(1.0));
+        let target = moved(&relief, &setup);
+        let light = FirstLight::new(&relief, &setup, (SIDE, SIDE));
+        let wanted = blurred(&target, setup.view(), MAIN_BLUR.to_radians());
+        let whole = likeness(&relief, &setup, &target, 1).unwrap().cell;
+        assert!(whole.mean > 0.01 && whole.mean < 0.5 && whole.largest == whole.mean);
+        for corner in places(&relief, 40, 5) {
+            let figure = misplaced(&light.window(corner, 40).unwrap(), &wanted, setup.view());
+            assert!((figure - whole.mean).abs() < 1e-6, "{figure} {whole:?}");
+        }
+    }
+
+    #[test]
+    fn half_a_cell_shows_all_where_the_relief_repeats_in_it() {
+        let setup = setup(0.0);
+        let fine = relief(40, [2, 2], |x, y| hills(1.0)((2.0 * x).fract(), (2.0 * y).fract()) / 2.0);
+        let coarse = relief(40, [2, 2], hills(1.0));
+        let [same, other] = [fine, coarse].map(|relief| likeness(&relief, &setup, &moved(&relief, &setup), 3).unwrap());
+        for figure in [same.half_cell.mean, same.half_cell.largest] {
+            assert!((figure - same.cell.mean).abs() < 1e-6, "{same:?}");
+        }
+        assert!(other.half_cell.mean > 2.0 * other.cell.mean, "{other:?}");
+    }
+
+    #[test]
+    fn half_of_a_dome_shows_a_quarter_of_its_light() {
+        // A dome whose slopes are even over a square: every window of half a cell holds half of them along x and y. Blur
+        // brings back a little of the three quarters that are missing.
+        let setup = setup(0.0);
+        let dome = relief(128, [2, 2], |x, y| -0.15 * (2.0 * (x - 0.5).powi(2) + 3.0 * (y - 0.5).powi(2)));
+        let target = FirstLight::new(&dome, &setup, (SIDE, SIDE)).window([0, 0], 128).unwrap();
+        let figures = likeness(&dome, &setup, &target, 7).unwrap();
+        assert!(figures.cell.largest < 1e-9);
+        assert!((figures.half_cell.mean - 0.68).abs() < 0.03, "{figures:?}");
+        assert!(figures.half_cell.largest < 0.75);
+    }
+
+    #[test]
+    fn light_that_misses_the_image_is_lost() {
+        let setup = setup(0.0);
+        let flat = relief(16, [1, 1], |_, _| 0.0);
+        let target = moved(&flat, &setup);
+        let steep = PeriodicRelief { tilt: Slope::new(0.5, 0.0), ..flat };
+        let figures = likeness(&steep, &setup, &target, 0).unwrap();
+        assert!((figures.cell.mean - 1.0).abs() < 1e-3 && (figures.half_cell.largest - 1.0).abs() < 1e-3);
+        let away = PeriodicRelief { tilt: Slope::new(5.0, 0.0), ..steep };
+        let grazing = Setup::new(1.4, 0.0, 0.0, Projection::Equidistant, 0.3);
+        assert_eq!(likeness(&away, &grazing, &target, 0), None);
+    }
+
+    #[test]
+    fn light_changes_with_the_heights_alone() {
+        let setup = setup(0.2);
+        let relief = relief(32, [1, 1], hills(1.0));
+        let change = change(&relief, &setup);
+        assert_eq!(change(&relief.heights), 0.0);
+        let raised: Vec<f32> = relief.heights.iter().map(|z| z + 0.25).collect();
+        assert!(change(&raised) < 1e-3);
+        let lower: Vec<f32> = relief.heights.iter().map(|z| 0.8 * z).collect();
+        let flat = change(&[0.0; 1024]);
+        assert!(change(&lower) > 0.02 && flat > 2.0 * change(&lower) && flat <= 1.0);
+    }
+
+    #[test]
+    fn windows_stay_on_a_plate_of_one_cell() {
+        for (cells, most) in [([1, 1], [20, 20]), ([2, 1], [39, 20]), ([3, 3], [39, 39])] {
+            let relief = relief(40, cells, |_, _| 0.0);
+            let places = places(&relief, 20, 9);
+            assert_eq!(places.len(), PLACES);
+            for axis in 0..2 {
+                let largest = places.iter().map(|c| c[axis]).max().unwrap();
+                assert!(largest <= most[axis] && largest > most[axis] * 3 / 4 - 1, "{places:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn squares_are_cut_along_their_higher_diagonal() {
+        assert!(rises([1.0, 0.0, 0.0, 0.5]) && !rises([0.0, 1.0, 1.0, 0.0]) && !rises([0.0; 4]));
+        // One high node: of the four squares around it the folds run down from it, and none lies across them.
+        let spike = relief(4, [1, 1], |x, y| if x == 0.5 && y == 0.5 { 0.1 } else { 0.0 });
+        let light = FirstLight::new(&spike, &setup(0.0), (SIDE, SIDE));
+        let pixel = |k: usize| light.glints[k].map(|g| g.pixel);
+        let level = light.glints[0][0].pixel;
+        for k in [5, 6, 9, 10] {
+            assert!(pixel(k).iter().all(|&p| p != level), "{k}");
+        }
+    }
+}
