@@ -89,6 +89,8 @@ fn continuous(recipe: &Recipe, sculpture: &Sculpture) -> Value {
         "start": sculpture.start,
         "misplaced_by_stage": sculpture.misplaced,
         "fillet_share": sculpture.fillets,
+        "depth_mm": relief.depth(),
+        "stopped_early": sculpture.stopped_early().map(|[done, all]| json!({ "steps_done": done, "steps": all })),
     })
 }
 

@@ -4,27 +4,13 @@ pub mod rims;
 
 pub mod waves;
 
-pub mod bound;
-
-pub mod closing;
-
-pub mod design;
-
-pub mod detail;
-
-pub mod light;
-
-pub mod milled;
-
-pub mod matching;
-
-pub mod objective;
-
 pub mod start;
 
 pub mod target;
 
 pub mod bins;
+
+pub mod bound;
 
 pub mod closing;
 
@@ -38,8 +24,12 @@ pub mod folds;
 
 pub mod light;
 
+pub mod detail;
+
 pub mod objective;
 
 pub mod plan;
+
+pub mod waypoint;
 
 pub mod design;
