@@ -31,7 +31,9 @@ impl Recipe {
         within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
         within("max-triangles", plate.max_triangles as f64, 1000.0, 2e8)?;
         within("for-cutter", self.design.cutter.map_or(1.0, |c| c.diameter), 1e-3, 100.0)?;
+        within("levelling", self.design.levelling, 0.0, 100.0)?;
         within("min-feature", self.design.min_feature, 0.0, 100.0)?;
+        within("max-depth", self.design.max_depth.unwrap_or(1.0), 1e-4, 1000.0)?;
         within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
         // What TOML can write back.
         within("seed", self.design.seed as f64, 0.0, 9.2e18)?;
@@ -80,6 +82,10 @@ impl Recipe {
         }
         if let Some(cutter) = self.design.cutter.filter(|c| c.diameter > cell.min_element()) {
             return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter, cell: cell.min_element() });
+        }
+        let (levelling, cell) = (self.design.levelling, cell.min_element());
+        if levelling >= 0.25 * cell {
+            return Err(RecipeError::LevellingBeyondCell { levelling, cell });
         }
         Ok(())
     }
@@ -172,6 +178,16 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
+    /// Polish that leaves nothing.
+    #[error(
+        "a levelling of {levelling} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --levelling or fewer --cells"
+    )]
+    LevellingBeyondCell {
+        /// Standard deviation, mm.
+        levelling: f64,
+        /// Shorter side of a cell, mm.
+        cell: f64,
+    },
 }
 
 impl RecipeError {
@@ -225,6 +241,8 @@ mod tests {
         assert!(refused(|r| r.plate.facets = [2, 300]).is_impossible());
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
+        assert_eq!(named(refused(|r| r.design.levelling = f64::NAN)), "levelling");
+        assert_eq!(named(refused(|r| r.design.max_depth = Some(0.0))), "max-depth");
         assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter { diameter: f64::NAN }))), "for-cutter");
         let continuous = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
@@ -238,5 +256,6 @@ mod tests {
         assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
         assert!(continuous(|r| r.plate.size = [30.0, 2.0]).is_impossible());
         assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
+        assert!(continuous(|r| r.design.levelling = 2.5).is_impossible());
     }
 }

@@ -108,6 +108,8 @@ fn continuous(recipe: &Recipe, design: &Design, sculpture: &Sculpture) -> Value 
             "gap_deg": stray.gap.map(|s| s.atan().to_degrees()),
             "along_cells": stray.along,
         })),
+        "depth_mm": relief.depth(),
+        "stopped_early": sculpture.stopped_early().map(|[done, all]| json!({ "steps_done": done, "steps": all })),
     })
 }
 

@@ -18,9 +18,10 @@ use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
 use crate::sculpt::bound::Unavoidable;
-use crate::sculpt::design::{Sculpture, Waypoint, least_stray, sculpt};
+use crate::sculpt::design::{Sculpture, least_stray, sculpt};
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
 use crate::sculpt::milled::{Tool, levelled};
+use crate::sculpt::waypoint::Waypoint;
 use crate::setup::Setup;
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
@@ -33,6 +34,9 @@ use crate::verify::windows::{Likeness, change, likeness};
 
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
+
+/// By how much a continuous relief may be deeper than asked, as a share: descents end close to the limit, not at it.
+const DEPTH_ALLOWANCE: f64 = 0.02;
 
 /// A plate, and how it came about.
 #[derive(Clone, Debug)]
@@ -176,6 +180,10 @@ fn continuous(
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
     let sculpture = sculpt(distribution, &sculpting, from, passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
+    let depth = sculpture.relief.depth();
+    if let Some(most) = recipe.design.max_depth.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
+        return Err(DesignError::TooDeep { depth, most });
+    }
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
@@ -370,6 +378,16 @@ pub enum DesignError {
     /// The relief sends nothing into the image.
     #[error("no light reaches the highlight image: the relief shades itself completely")]
     NoLight,
+    /// The continuous relief did not become as shallow as asked.
+    #[error(
+        "the relief is {depth:.3} mm deep where {most} mm were allowed: raise --max-depth, or --cells, since smaller cells are shallower"
+    )]
+    TooDeep {
+        /// What was reached about the mean plane, mm.
+        depth: f64,
+        /// What was allowed, mm.
+        most: f64,
+    },
     /// The caller asked to stop.
     #[error("stopped as asked; nothing was written")]
     Cancelled,

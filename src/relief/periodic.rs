@@ -62,6 +62,13 @@ impl PeriodicRelief {
         self.cell * DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
     }
 
+    /// How far a cell rises from its lowest to its highest point about the mean plane, mm.
+    pub fn depth(&self) -> f64 {
+        let range = (f32::INFINITY, f32::NEG_INFINITY);
+        let (low, high) = self.heights.iter().fold(range, |r, z| (r.0.min(*z), r.1.max(*z)));
+        f64::from(high) - f64::from(low)
+    }
+
     /// Lowest and highest point, mm.
     pub fn height_range(&self) -> (f64, f64) {
         let [nx, ny] = self.plate_nodes();

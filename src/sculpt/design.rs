@@ -19,6 +19,7 @@ use super::resample::sampled;
 use super::rims::Lattice;
 use super::start::Start;
 use super::target::SlopePlane;
+use super::waypoint::Waypoint;
 
 /// Blur at which reliefs are compared, degrees.
 const COMPARED_AT: f64 = 0.5;
@@ -58,21 +59,6 @@ pub fn least_stray(distribution: &Distribution, sculpting: &Sculpting) -> Option
     Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, radius))
 }
 
-/// A relief on its way: all that is needed to go on from there.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Waypoint {
-    /// Steps of the plan that are done.
-    pub done: usize,
-    /// What was started from.
-    pub start: Start,
-    /// Nodes along each side of the cell, so far.
-    pub nodes: usize,
-    /// Heights of the cell about its mean plane, mm, rows of constant y.
-    pub heights: Vec<f32>,
-    /// Light in the wrong place as the design sees it, at a blur of 0.5°, after each step.
-    pub misplaced: Vec<f64>,
-}
-
 /// A continuous relief, and how it came about.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sculpture {
@@ -88,9 +74,16 @@ pub struct Sculpture {
     pub steps: [usize; 2],
 }
 
+impl Sculpture {
+    /// Steps that were done and all of them, if the work was stopped before its end.
+    pub fn stopped_early(&self) -> Option<[usize; 2]> {
+        Some(self.steps).filter(|[done, all]| done < all)
+    }
+}
+
 /// Designs the relief whose light is `distribution`'s, from the beginning or from where an earlier run `from` had come.
 ///
-/// `passed` is told of every step that is done. If the work is cancelled, the best relief so far is the result, `None` if
+/// `passed` is told of every step that is done. A `from` that does not suit `sculpting` is not gone on from. If the work is cancelled, the best relief so far is the result, `None` if
 /// there is none yet; `None` too if the distribution's image is too narrow to be laid out.
 pub fn sculpt(
     distribution: &Distribution,
@@ -102,8 +95,7 @@ pub fn sculpt(
     let work = Work::new(distribution, sculpting, progress)?;
     let steps = plan(sculpting);
     let whole: f64 = steps.iter().map(|step| step.cost()).sum();
-    let mut present = from;
-    let mut best: Option<(f64, Waypoint)> = None;
+    let mut present = from.filter(|at| at.suits(sculpting));
     let mut spent = 0.0;
     for (k, step) in steps.iter().enumerate() {
         let share = Share { from: spent / whole, whole: step.cost() / whole };
@@ -114,24 +106,22 @@ pub fn sculpt(
         if progress.is_cancelled() {
             break;
         }
-        let before = present.take();
-        let reached = work.take(*step, before, share)?;
-        let wrong = reached.misplaced.last().copied().unwrap_or(1.0);
-        if progress.is_cancelled() && best.as_ref().is_some_and(|(least, _)| *least <= wrong) {
+        let mut reached = work.take(*step, present.clone(), share)?;
+        if progress.is_cancelled() {
+            // A step that was cut short is not done, but what it has reached may be better than what was there.
+            reached.done = k;
+            let wrong = |at: &Waypoint| at.misplaced.last().copied().unwrap_or(1.0);
+            if present.as_ref().is_none_or(|before| wrong(&reached) <= wrong(before)) {
+                present = Some(reached);
+            }
             break;
         }
-        // A cancelled step is not done, but what it has reached may be the best.
-        if best.as_ref().is_none_or(|(least, _)| wrong <= *least) || !progress.is_cancelled() {
-            best = Some((wrong, reached.clone()));
-        }
-        if !progress.is_cancelled() {
-            passed(&reached);
-        }
+        passed(&reached);
         present = Some(reached);
     }
-    let last = best.map(|(_, at)| at).or(present)?;
-    let done = if progress.is_cancelled() { last.done.min(steps.len() - 1) } else { last.done };
-    Some(work.finished(last, [done, steps.len()]))
+    let last = present?;
+    let steps = [last.done, steps.len()];
+    Some(work.finished(last, steps))
 }
 
 /// The part of the whole work that a step is.

@@ -30,4 +30,6 @@ pub mod objective;
 
 pub mod plan;
 
+pub mod waypoint;
+
 pub mod design;

@@ -85,6 +85,15 @@ impl Step {
         }
     }
 
+    /// What is done in it, in one word.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Tries { .. } => "tries",
+            Self::Matching { .. } => "matching",
+            Self::Descent { .. } => "descent",
+        }
+    }
+
     /// About how long it takes, in any unit: evaluations of the loss times nodes.
     pub fn cost(&self) -> f64 {
         let evaluations = match *self {

@@ -3,7 +3,8 @@
 use glam::DVec2;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use serde::{Serialize, Serializer};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::fourier::frequency;
 
@@ -74,6 +75,19 @@ impl Serialize for Start {
             Self::Roof => serializer.serialize_str("roof"),
             Self::Hills(n) => serializer.serialize_str(&format!("hills {n}")),
         }
+    }
+}
+
+impl<'de> Deserialize<'de> for Start {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let hills = || name.strip_prefix("hills ")?.parse().ok().map(Self::Hills);
+        match name.as_str() {
+            "cone" => Some(Self::Cone),
+            "roof" => Some(Self::Roof),
+            _ => hills(),
+        }
+        .ok_or_else(|| D::Error::custom(format!("no start is called {name:?}")))
     }
 }
 

@@ -18,7 +18,7 @@ First steps:
   facetmill design --help               what each setting means, in millimetres and degrees
 
 Exit codes: 0 done, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
-5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind.")]
+5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -31,6 +31,9 @@ pub enum Command {
     /// The folder receives plate.stl (closed solid, mm), heightmap.png with heightmap.json, target.png, simulated.png,
     /// comparison.png (look at this one first), relief.png, report.json, and recipe.toml: every setting, so that
     /// `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
+    ///
+    /// Ctrl-C while a continuous relief is sculpted finishes the best so far, proof and files included, once the first
+    /// tries are done; a second one stops at once and leaves nothing.
     #[command(after_help = "\
 Examples:
   facetmill design ring.png -o ring --half-field 20 --size 30x30 --facets 30x30
@@ -117,6 +120,18 @@ pub struct DesignArgs {
     /// A mirror of 0.1 mm spreads light by about 0.3°: detail that lives on smaller ones is lost to diffraction.
     #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
     min_feature: Option<f64>,
+    /// Polish or paint after the cutter, as a Gaussian over the heights of this standard deviation, mm  [default: 0]
+    ///
+    /// Both fill valleys and round ridges. The relief is shaped so that its light is right afterwards; with --for-cutter
+    /// the proof as milled counts it too. 0.02 mm blunts what is narrower than about 0.05 mm.
+    #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
+    levelling: Option<f64>,
+    /// The most that a cell of a continuous relief may rise about its mean plane, mm
+    ///
+    /// Shallow reliefs need many hills, and each hill valleys: light is less exact, more so for a wide cutter. A relief
+    /// that stays too deep is refused. Smaller cells (--cells) are shallower by themselves.
+    #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
+    max_depth: Option<f64>,
     /// How facets are drawn from the highlight  [default: voronoi]
     #[arg(long, value_enum, value_name = "HOW", help_heading = "Design")]
     sample: Option<SampleArg>,
@@ -149,6 +164,17 @@ pub struct DesignArgs {
 
     #[command(flatten)]
     pub running: RunningArgs,
+    /// Keep a picture of the highlight after each step of a continuous design, and the state to go on from
+    ///
+    /// They come into DIR/snapshots while the design runs and stay there whatever happens. Each picture shows the light
+    /// of one cell at its first bounce, as bright as simulated.png.
+    #[arg(long, help_heading = "Running", conflicts_with = "dry_run")]
+    pub snapshots: bool,
+    /// Go on from DIR/snapshots of an earlier run of the same settings, and keep snapshots
+    ///
+    /// The result is the same, byte for byte, as without the break. Only --rays and --no-verify may differ.
+    #[arg(long, help_heading = "Running", conflicts_with = "dry_run")]
+    pub resume: bool,
     /// Do not trace light over the result
     #[arg(long, help_heading = "Running")]
     pub no_verify: bool,
@@ -269,7 +295,9 @@ impl DesignArgs {
         set(&mut plate.border, self.border);
         set(&mut plate.surface, self.surface.map(Into::into));
         design.cutter = self.for_cutter.or(design.cutter);
+        set(&mut design.levelling, self.levelling);
         set(&mut design.min_feature, self.min_feature);
+        design.max_depth = self.max_depth.or(design.max_depth);
         set(&mut design.sample, self.sample.map(Into::into));
         set(&mut design.arrange, self.arrange.map(Into::into));
         design.heights = self.heights.map(Into::into).or(design.heights);

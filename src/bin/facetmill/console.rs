@@ -1,6 +1,8 @@
 //! What a person sees: progress, tables, errors.
 
+use std::fmt;
 use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -9,7 +11,7 @@ use facetmill::picture::PictureError;
 use facetmill::progress::Event;
 use facetmill::recipe::run::DesignError;
 use facetmill::verify::verdict::{Figure, MAIN_BLUR, Verdict};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
 
 use crate::files::OutputError;
@@ -30,8 +32,11 @@ pub enum Failure {
     #[error(transparent)]
     Output(#[from] OutputError),
     /// Ctrl-C.
-    #[error("stopped; nothing was written")]
-    Stopped,
+    #[error("{}", stopped(snapshots.as_deref()))]
+    Stopped {
+        /// Where snapshots were left.
+        snapshots: Option<PathBuf>,
+    },
 }
 
 impl Failure {
@@ -41,8 +46,15 @@ impl Failure {
             Self::Input(_) => 3,
             Self::Impossible(_) => 4,
             Self::Output(_) => 5,
-            Self::Stopped => 130,
+            Self::Stopped { .. } => 130,
         }
+    }
+}
+
+fn stopped(snapshots: Option<&Path>) -> String {
+    match snapshots {
+        None => "stopped; nothing was written".into(),
+        Some(folder) => format!("stopped; the same command with --resume goes on from {}", folder.display()),
     }
 }
 
@@ -59,7 +71,7 @@ impl From<PictureError> for Failure {
 impl From<DesignError> for Failure {
     fn from(error: DesignError) -> Self {
         match error {
-            DesignError::Cancelled => Self::Stopped,
+            DesignError::Cancelled => Self::Stopped { snapshots: None },
             other => Self::Impossible(other.to_string()),
         }
     }
@@ -177,8 +189,8 @@ impl Stages {
             Event::Stage(name) => {
                 close(&mut present);
                 let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-                if let Ok(style) = ProgressStyle::with_template("  {spinner} {msg:36} {bar:24} {percent:>3}%") {
-                    bar.set_style(style);
+                if let Ok(style) = ProgressStyle::with_template("  {spinner} {msg:36} {bar:24} {percent:>3}%{left}") {
+                    bar.set_style(style.with_key("left", time_left));
                 }
                 bar.set_message(name.to_owned());
                 bar.enable_steady_tick(Duration::from_millis(100));
@@ -201,6 +213,18 @@ impl Stages {
             // The line was filled up to its end but not ended.
             let _ = writeln!(io::stderr());
         }
+    }
+}
+
+/// Writes how long the rest takes, once there is enough to tell it from: as long a share as so far.
+fn time_left(state: &ProgressState, out: &mut dyn fmt::Write) {
+    let (spent, done) = (state.elapsed().as_secs_f64(), f64::from(state.fraction()));
+    if spent > 2.0 && (0.02..1.0).contains(&done) {
+        let left = (spent * (1.0 - done) / done).ceil() as u64;
+        let _ = match left {
+            0..60 => write!(out, "  about {left} s left"),
+            _ => write!(out, "  about {} min left", left.div_ceil(60)),
+        };
     }
 }
 

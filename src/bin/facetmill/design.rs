@@ -1,6 +1,7 @@
 //! `facetmill design`: a picture becomes a plate.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use facetmill::export::heightmap::height_map;
 use facetmill::export::shading::relief_picture;
@@ -8,16 +9,19 @@ use facetmill::export::stl::write_stl;
 use facetmill::highlight::scored_target;
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress};
-use facetmill::recipe::Recipe;
+use facetmill::raster::Raster;
 use facetmill::recipe::report::report;
-use facetmill::recipe::run::{Design, Proof, design, prove};
+use facetmill::recipe::run::{Design, Proof, design_by_way, prove};
+use facetmill::recipe::{Recipe, SurfaceKind};
+use facetmill::sculpt::design::Sculpture;
 use serde_json::{Value, json};
 
 use crate::args::DesignArgs;
-use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
+use crate::console::{Failure, Stages, print_json, print_table, row, verdict_rows};
 use crate::files::{OutputError, Staged};
 use crate::outputs::{write_png, write_proof, write_target};
-use crate::{estimate, inputs};
+use crate::snapshots::{self, Snapshots};
+use crate::{estimate, inputs, interrupt};
 
 /// Pixels along the longer side of the height map, at the most.
 const HEIGHT_MAP_SIDE: usize = 2048;
@@ -47,7 +51,11 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
         return Ok(estimate::tell(&recipe, !args.no_verify, to_json, quiet)?);
     };
     // Before any work: a folder that cannot be written should not cost a minute.
-    let mut staged = Staged::new(folder, args.running.force, FILES)?;
+    let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
+    let mut staged = Staged::new(folder, may_replace, FILES)?;
+    if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
+        return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
+    }
     let mut picture = picture::read(&path, &recipe.reading())?;
     if recipe.picture.is_none() {
         let note = "The picture's name is not Unicode, so recipe.toml is without it: name it beside --recipe.";
@@ -55,8 +63,8 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     }
     let stages = Stages::new(quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    let made = design(&recipe, &picture.light, &progress)?;
+    let progress = Progress::new(&listen, &interrupt::EARLY);
+    let made = designed(args, folder, &recipe, &picture.light, &progress)?;
     let proof = match args.no_verify {
         true => None,
         false => Some(prove(&recipe, &picture.light, &made, &progress)?),
@@ -72,6 +80,36 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
         print_result(folder, &recipe, &picture, &made, proof.as_ref(), &report)?;
     }
     Ok(())
+}
+
+/// The design, with snapshots on its way if they are wanted.
+fn designed(
+    args: &DesignArgs,
+    folder: &Path,
+    recipe: &Recipe,
+    light: &Raster,
+    progress: &Progress,
+) -> Result<Design, Failure> {
+    let from = if args.resume { Some(snapshots::resume(folder, recipe, light)?) } else { None };
+    let mut kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, recipe, light));
+    let made = design_by_way(
+        recipe,
+        light,
+        from,
+        &mut |distribution, at| {
+            let goes_on = interrupt::keep(|| kept.as_mut().is_none_or(|kept| kept.take(distribution, at)));
+            match (goes_on, &kept) {
+                (true, Some(_)) => interrupt::snapshots_stay(folder.join(snapshots::FOLDER)),
+                (true, None) => {}
+                // There is no need to design to the end what ends in an error.
+                (false, _) => interrupt::EARLY.store(true, Ordering::Relaxed),
+            }
+        },
+        progress,
+    );
+    interrupt::design_is_over();
+    kept.map_or(Ok(()), Snapshots::finish)?;
+    Ok(made?)
 }
 
 /// The effective recipe, and the file of its picture.
@@ -91,6 +129,10 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             (false, None) => Failure::Usage(format!("--{error}")),
         }
     })?;
+    if (args.snapshots || args.resume) && recipe.plate.surface == SurfaceKind::Flat {
+        let flag = if args.resume { "--resume" } else { "--snapshots" };
+        return Err(Failure::Usage(format!("{flag} is for continuous reliefs: add --surface continuous, or leave it")));
+    }
     let path = match (&args.picture, &recipe.picture, &args.recipe) {
         (Some(path), _, _) => path.clone(),
         (None, Some(name), _) if !name.is_empty() => PathBuf::from(name),
@@ -209,6 +251,9 @@ fn print_result(
             let tv = format!("{:.2} %", 100.0 * main.tv_incident.value);
             table.push(row("misplaced as milled", tv, format!("likeness {:.3}", main.ssim.value)));
         }
+    }
+    if let Some([done, all]) = made.sculpture.as_ref().and_then(Sculpture::stopped_early) {
+        table.push(row("stopped early", format!("{done} of {all}"), "steps of the design were done"));
     }
     let cpu: f64 = made.seconds.iter().map(|(_, s)| s).sum();
     table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));

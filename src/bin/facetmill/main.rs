@@ -6,9 +6,11 @@ mod design;
 mod estimate;
 mod files;
 mod inputs;
+mod interrupt;
 mod measure;
 mod outputs;
 mod plates;
+mod snapshots;
 mod usage;
 mod values;
 mod verify;
@@ -18,7 +20,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Cli, Command};
-use console::{Failure, report_failure};
+use console::report_failure;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -32,9 +34,7 @@ fn main() -> ExitCode {
     };
     let to_json = running.json;
     // Without a handler Ctrl-C still ends the program, only less tidily.
-    let _ = ctrlc::set_handler(move || {
-        files::abandon(|| std::process::exit(report_failure(&Failure::Stopped, to_json).into()));
-    });
+    let _ = ctrlc::set_handler(move || interrupt::arrived(to_json));
     if let Some(threads) = running.threads {
         // Fails only if a pool exists already, and none does yet.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

@@ -20,6 +20,11 @@ fn as_drawn(raster: &Raster, recipe: &Recipe) -> Raster {
     }
 }
 
+/// `raster` through the main blur, the way the user drew.
+pub fn as_seen(raster: &Raster, recipe: &Recipe, view: &View) -> Raster {
+    as_drawn(&blurred(raster, view, MAIN_BLUR.to_radians()), recipe)
+}
+
 /// Writes `target.png`: what was asked for.
 pub fn write_target(staged: &mut Staged, target: &Raster, recipe: &Recipe) -> Result<(), Failure> {
     let drawn = as_drawn(target, recipe);
@@ -34,7 +39,7 @@ pub fn write_proof(
     view: &View,
     footer: String,
 ) -> Result<(), Failure> {
-    let see = |raster: &Raster| as_drawn(&blurred(raster, view, MAIN_BLUR.to_radians()), recipe);
+    let see = |raster: &Raster| as_seen(raster, recipe, view);
     let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.share_image()));
     write_png(staged, "simulated.png", &tone_mapped(&simulated, common_white(&target)))?;
     let verdict = &proof.verdict;
