@@ -140,15 +140,19 @@ fn continuous(
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
     let sculpture = sculpt(distribution, &recipe.sculpting(), from, passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
-    let depth = sculpture.relief.depth();
-    if let Some(most) = recipe.design.max_depth.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
-        return Err(DesignError::TooDeep { depth, most });
-    }
+    shallow_enough(sculpture.relief.depth(), recipe.design.max_depth)?;
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
     clock.lap("solid");
     Ok(Plate { facets: None, sculpture: Some(sculpture), relief, mesh })
+}
+
+fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
+    match most.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
+        Some(most) => Err(DesignError::TooDeep { depth, most }),
+        None => Ok(()),
+    }
 }
 
 fn faceted(
@@ -319,4 +323,16 @@ pub enum DesignError {
     /// The caller asked to stop.
     #[error("stopped as asked; nothing was written")]
     Cancelled,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reliefs_deeper_than_allowed_are_refused() {
+        assert!(shallow_enough(9.0, None).is_ok() && shallow_enough(0.509, Some(0.5)).is_ok());
+        let error = shallow_enough(0.511, Some(0.5)).unwrap_err().to_string();
+        assert!(["0.511", "0.5 mm", "--max-depth", "--cells"].iter().all(|part| error.contains(part)), "{error}");
+    }
 }
