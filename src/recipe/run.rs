@@ -113,7 +113,7 @@ pub fn design_by_way(
         SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
         SurfaceKind::Continuous => {
             let passed = &mut |at: &Waypoint| passed(&distribution, at);
-            continuous(recipe, &distribution, (from, passed), &mut clock, progress)?
+            continuous(recipe, &distribution, Way { from, passed }, &mut clock, progress)?
         }
     };
     let Plate { facets, sculpture, relief, mesh } = plate;
@@ -129,16 +129,22 @@ struct Plate {
     mesh: Mesh,
 }
 
+/// Where a continuous relief comes from, and who hears of it on its way.
+struct Way<'a> {
+    from: Option<Waypoint>,
+    passed: &'a mut dyn FnMut(&Waypoint),
+}
+
 fn continuous(
     recipe: &Recipe,
     distribution: &Distribution,
-    (from, passed): (Option<Waypoint>, &mut dyn FnMut(&Waypoint)),
+    way: Way,
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
     progress.stage("sculpting the relief");
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
-    let sculpture = sculpt(distribution, &recipe.sculpting(), from, passed, progress).ok_or_else(none)?;
+    let sculpture = sculpt(distribution, &recipe.sculpting(), way.from, way.passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
     shallow_enough(sculpture.relief.depth(), recipe.design.max_depth)?;
     progress.stage("closing the solid");
