@@ -133,7 +133,7 @@ pub fn design_by_way(
         SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
         SurfaceKind::Continuous => {
             let passed = &mut |at: &Waypoint| passed(&distribution, at);
-            continuous(recipe, &distribution, (from, passed), &mut clock, progress)?
+            continuous(recipe, &distribution, Way { from, passed }, &mut clock, progress)?
         }
     };
     let Plate { facets, sculpture, least_stray, relief, mesh } = plate;
@@ -159,10 +159,16 @@ struct Plate {
     mesh: Mesh,
 }
 
+/// Where a continuous relief comes from, and who hears of it on its way.
+struct Way<'a> {
+    from: Option<Waypoint>,
+    passed: &'a mut dyn FnMut(&Waypoint),
+}
+
 fn continuous(
     recipe: &Recipe,
     distribution: &Distribution,
-    (from, passed): (Option<Waypoint>, &mut dyn FnMut(&Waypoint)),
+    way: Way,
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
@@ -178,17 +184,21 @@ fn continuous(
         None => progress.stage("sculpting the relief"),
     }
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
-    let sculpture = sculpt(distribution, &sculpting, from, passed, progress).ok_or_else(none)?;
+    let sculpture = sculpt(distribution, &sculpting, way.from, way.passed, progress).ok_or_else(none)?;
     clock.lap("sculpting");
-    let depth = sculpture.relief.depth();
-    if let Some(most) = recipe.design.max_depth.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
-        return Err(DesignError::TooDeep { depth, most });
-    }
+    shallow_enough(sculpture.relief.depth(), recipe.design.max_depth)?;
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
     clock.lap("solid");
     Ok(Plate { facets: None, sculpture: Some(sculpture), least_stray, relief, mesh })
+}
+
+fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
+    match most.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
+        Some(most) => Err(DesignError::TooDeep { depth, most }),
+        None => Ok(()),
+    }
 }
 
 fn faceted(
@@ -391,4 +401,16 @@ pub enum DesignError {
     /// The caller asked to stop.
     #[error("stopped as asked; nothing was written")]
     Cancelled,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reliefs_deeper_than_allowed_are_refused() {
+        assert!(shallow_enough(9.0, None).is_ok() && shallow_enough(0.509, Some(0.5)).is_ok());
+        let error = shallow_enough(0.511, Some(0.5)).unwrap_err().to_string();
+        assert!(["0.511", "0.5 mm", "--max-depth", "--cells"].iter().all(|part| error.contains(part)), "{error}");
+    }
 }
