@@ -1,0 +1,73 @@
+//! The kernels of a continuous relief's design, on 256 × 256 nodes: `cargo bench --bench sculpt`.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use facetmill::sculpt::bins::Bins;
+use facetmill::sculpt::closing::Closing;
+use facetmill::sculpt::folds::Folds;
+use facetmill::sculpt::light::Light;
+use facetmill::sculpt::milled::Tool;
+use facetmill::sculpt::objective::relief;
+use facetmill::sculpt::rims::{Lattice, Rims};
+use facetmill::sculpt::target::SlopeTarget;
+use facetmill::sculpt::waves::Waves;
+use facetmill::slope::Slope;
+use glam::{DMat2, DVec2};
+
+const NODES: usize = 256;
+const SIDE: usize = 384;
+
+/// A dome with ripples, slopes up to about 0.2, valleys at its rims.
+fn heights(lattice: Lattice) -> Vec<f32> {
+    let cell = lattice.cell();
+    (0..NODES * NODES)
+        .map(|k| {
+            let at = lattice.step * DVec2::new((k % NODES) as f64, (k / NODES) as f64);
+            let wave = |m: f64| (std::f64::consts::TAU * m * at / cell).map(f64::cos);
+            (0.2 * wave(1.0).element_sum() + 0.003 * wave(7.0).element_product()) as f32
+        })
+        .collect()
+}
+
+fn kernels(criterion: &mut Criterion) {
+    let lattice = Lattice { n: NODES, step: DVec2::splat(10.0 / NODES as f64) };
+    let radius = 0.25;
+    let z = heights(lattice);
+    let per_slope = DMat2::from_diagonal(DVec2::splat(-115.0 / 0.125));
+    let target = SlopeTarget {
+        side: SIDE,
+        bin: 0.125,
+        wanted: vec![0.0; SIDE * SIDE],
+        per_slope,
+        middle: DVec2::splat(0.5 * SIDE as f64),
+    };
+    let bins = Bins::new(&target);
+    let potential: Vec<f32> = (0..SIDE * SIDE).map(|k| ((k % SIDE) as f32 * 0.1).sin()).collect();
+    let rims = Rims::new(lattice, &z);
+    let plain = Light::new(lattice, bins, 0.0, None);
+    let cut = Light::new(lattice, bins, 0.125, Some(Folds::new(lattice, radius, 0.1)));
+    criterion.bench_function("rims", |b| b.iter(|| Rims::new(lattice, black_box(&z))));
+    for (name, light) in [("triangles", &plain), ("triangles and fillets", &cut)] {
+        criterion.bench_function(&format!("splat {name}"), |b| b.iter(|| light.shine(black_box(&rims))));
+        criterion
+            .bench_function(&format!("pull of {name}"), |b| b.iter(|| light.pull(black_box(&rims), &potential, 1.0)));
+    }
+    let closing = Closing::new(NODES, lattice.step, radius);
+    criterion.bench_function("hulls", |b| b.iter(|| closing.close(&mut z.clone())));
+    let contacts = closing.close(&mut z.clone());
+    criterion.bench_function("adjoint of hulls", |b| b.iter(|| contacts.pull_back(&mut z.clone())));
+    for side in [NODES, 432] {
+        let waves = Waves::new(side);
+        let gains = waves.gains(|i, j| 1.0 / (1.0 + (i * i + j * j) as f64));
+        let grid = vec![0.5f32; side * side];
+        criterion
+            .bench_function(&format!("filter {side}"), |b| b.iter(|| waves.filter(&mut grid.clone(), side, &gains)));
+    }
+    let tool = Tool::new(lattice.cell(), radius);
+    let written = relief(lattice, &z, Slope::FLAT);
+    criterion.bench_function("milling on 1000 x 1000 places", |b| b.iter(|| tool.mill(black_box(&written))));
+}
+
+criterion_group!(benches, kernels);
+criterion_main!(benches);
