@@ -43,6 +43,12 @@ impl Bins {
         Place { x: self.middle[0] + xp * p + xq * q, y: self.middle[1] + yp * p + yq * q }
     }
 
+    /// Changes of p alone and of q alone that lead one bin further.
+    #[inline]
+    pub fn apart(&self) -> [f32; 2] {
+        self.per_slope.map(|[x, y]| 1.0 / x.abs().max(y.abs()))
+    }
+
     /// A gradient over bins as one over slopes.
     #[inline]
     pub fn to_slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {

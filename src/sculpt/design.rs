@@ -106,7 +106,8 @@ pub fn sculpt(
         if progress.is_cancelled() {
             break;
         }
-        let mut reached = work.take(*step, present.clone(), share)?;
+        // On a worker's thread, so that not every parallel loop wakes one and waits.
+        let mut reached = rayon::scope(|_| work.take(*step, present.clone(), share))?;
         if progress.is_cancelled() {
             // A step that was cut short is not done, but what it has reached may be better than what was there.
             reached.done = k;
@@ -228,7 +229,7 @@ impl<'a> Work<'a> {
         objective.charge(&z, stage.folds);
         let mut y = objective.numbers(&z);
         let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-        let looks = if stage.watches_tool && self.sculpting.cutter.is_some() { LOOKS } else { 1 };
+        let looks = if stage.gaze.is_fine() && self.sculpting.cutter.is_some() { LOOKS } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / looks, memory: MEMORY, tolerance: TOLERANCE, first_move };
         for look in 0..looks {

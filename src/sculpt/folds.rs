@@ -6,7 +6,8 @@
 //!
 //! There a ball of radius R leaves a fillet, a strip R·Δs wide, half of it taken from each side, whose light is spread
 //! evenly between the two slopes (a parabola in place of the sphere). The two triangles at a rim share its slope along
-//! it, so the way from one to the other runs along an axis of the slope plane.
+//! it, so the way from one to the other runs along an axis of the slope plane. Ends less than a bin apart are as good as
+//! one place: such fillets move no light.
 
 use super::bins::{Bins, Place};
 use super::rims::{Lattice, Row, RowSums};
@@ -62,8 +63,9 @@ impl Folds {
 
     /// Moves the light of a row's fillets.
     pub fn shine(&self, row: &Row<'_>, bins: &Bins, light: &mut [f32]) {
+        let apart = bins.apart();
         for i in 0..row.p[0].len() - 1 {
-            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to > fold.from) {
+            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to - fold.from > apart[fold.axis]) {
                 let mass = self.share[fold.axis] * (fold.to - fold.from);
                 let [near, far] = fold.ends(bins);
                 bins.lay(light, near, -0.5 * mass);
@@ -84,12 +86,15 @@ impl Folds {
     /// Adds how Σ `potential` · light + `price` · toll answers to a row's rims; returns its toll.
     pub fn pull(&self, row: &Row<'_>, bins: &Bins, potential: &[f32], price: f32, sums: &mut RowSums<'_>) -> f64 {
         let mut toll = 0.0;
+        let apart = bins.apart();
         for i in 0..row.p[0].len() - 1 {
             for fold in Self::of(row, i).into_iter().filter(|fold| fold.to > fold.from) {
                 let share = self.share[fold.axis];
                 let (cost, rate) = self.charge(fold.to - fold.from);
                 toll += f64::from(share * cost);
-                let [from, to, along] = Self::strip(fold, bins, potential).map(|v| share * v);
+                let is_strip = fold.to - fold.from > apart[fold.axis];
+                let strip = if is_strip { Self::strip(fold, bins, potential) } else { [0.0; 3] };
+                let [from, to, along] = strip.map(|v| share * v);
                 let (from, to) = (from - price * share * rate, to + price * share * rate);
                 if fold.axis == 0 {
                     sums.p[usize::from(row.p[1][i] < row.p[0][i])][i] += from;

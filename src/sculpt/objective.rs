@@ -45,6 +45,13 @@ pub struct Gaze {
     pub weighed: bool,
 }
 
+impl Gaze {
+    /// Whether it sees what the tool's grid does to light: to wider looks it is not worth the work.
+    pub const fn is_fine(self) -> bool {
+        self.blur < 0.4
+    }
+}
+
 /// What happens to the written relief before light falls on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Making {
@@ -90,7 +97,7 @@ impl Objective {
         let gains = gaze_gains(&plane, target.bin, gaze);
         let weight = gaze.weighed.then(|| weight(&plane, &target));
         let folds = making.cutter.map(|radius| Folds::new(lattice, radius, sharpest_fold(lattice, radius)));
-        let crossed = making.cutter.map_or(0.0, |radius| crossed(lattice, radius));
+        let crossed = making.cutter.filter(|_| gaze.is_fine()).map_or(0.0, |radius| crossed(lattice, radius));
         let light = Light::new(lattice, Bins::new(&target), crossed, folds);
         let closing = making.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
         Self {

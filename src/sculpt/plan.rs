@@ -27,13 +27,10 @@ pub struct Stage {
     pub steps: usize,
     /// What folds that turn upward cost at its start, as a share of all loss.
     pub folds: f64,
-    /// Whether it looks at what the tool really does.
-    pub watches_tool: bool,
 }
 
 const fn stage(blur: f64, alpha: f64, steps: usize, folds: f64) -> Stage {
-    let fine = blur < 0.4;
-    Stage { gaze: Gaze { blur, alpha, weighed: blur < 0.6 }, steps, folds, watches_tool: fine }
+    Stage { gaze: Gaze { blur, alpha, weighed: blur < 0.6 }, steps, folds }
 }
 
 /// What every start goes through on the coarse grid, before some rounds of matching and a last descent: only then can be
