@@ -14,7 +14,7 @@ use super::closing::Closing;
 use super::matching::Matching;
 use super::milled::Tool;
 use super::objective::{CLEARANCE, Gaze, Making, Objective, relief};
-use super::plan::{DESCENT_FIRST_MOVE, MEMORY, Stage, Step, TOLERANCE, TRIAL_DESCENT, TRIAL_ROUNDS, TRIES, plan};
+use super::plan::{DESCENT_FIRST_MOVE, MEMORY, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent};
 use super::resample::sampled;
 use super::rims::Lattice;
 use super::start::Start;
@@ -205,7 +205,7 @@ impl<'a> Work<'a> {
                 z = self.descend(lattice, z, stage, share.part(k, 3));
             }
             self.match_slopes(lattice, &mut z, TRIAL_ROUNDS, share.part(2, 3));
-            z = self.descend(lattice, z, &TRIAL_DESCENT, share.part(2, 3));
+            z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3));
             let objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
             let misplaced = objective.misplaced(&z, COMPARED_AT);
             let wrong = misplaced + objective.fillets(&z) + objective.too_deep(&z);
@@ -270,7 +270,10 @@ impl<'a> Work<'a> {
         let z = self.resampled(&at, grid);
         let mut relief = relief(lattice, &z, self.making.tilt);
         if let Some(radius) = cutter {
-            Tool::new(cell, radius).fill(&mut relief, CLEARANCE);
+            let tool = Tool::new(cell, radius);
+            tool.fill(&mut relief, CLEARANCE);
+            // Where a valley runs aslant, its floor lies between the tool's places.
+            tool.twice_as_fine().fill(&mut relief, CLEARANCE);
         }
         let objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
         let fillets = objective.fillets(&relief.heights);

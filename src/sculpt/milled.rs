@@ -55,6 +55,11 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
+    /// The same ball over twice as many places a side.
+    pub fn twice_as_fine(&self) -> Self {
+        Self { radius: self.radius, places: 2 * self.places }
+    }
+
     /// One cell of `relief` as the tool leaves it.
     pub fn mill(&self, relief: &PeriodicRelief) -> Milled {
         let n = self.places;

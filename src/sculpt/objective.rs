@@ -289,8 +289,8 @@ fn conditioner(lattice: Lattice, i: usize, j: usize, finest: f64) -> f64 {
     if slope == 0.0 {
         return 0.0;
     }
-    // Half of the slope is left of a wave as long as `finest`.
-    (-2f64.ln() * (lattice.wave(i, j) * finest / TAU).powi(2)).exp() / slope
+    // A quarter of the slope is left of a wave as long as `finest`.
+    (-4f64.ln() * (lattice.wave(i, j) * finest / TAU).powi(2)).exp() / slope
 }
 
 fn gaze_gains(plane: &Waves, bin: f64, gaze: Gaze) -> Vec<f32> {

@@ -40,8 +40,10 @@ pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0
 /// Rounds of matching of a try.
 pub const TRIAL_ROUNDS: usize = 15;
 
-/// What follows them.
-pub const TRIAL_DESCENT: Stage = stage(0.5, 0.75, 30, 1.0);
+/// What follows them: where steps are cheap, as many as it takes to tell which start is best for a logo of many pieces.
+pub fn trial_descent(sculpting: &Sculpting) -> Stage {
+    stage(0.5, 0.75, if sculpting.cutter.is_some() { 30 } else { 80 }, 1.0)
+}
 
 /// Rounds of matching on the middle grid.
 const ROUNDS: usize = 50;
@@ -105,7 +107,11 @@ impl Step {
 /// The steps to a relief of `sculpting`, in order.
 pub fn plan(sculpting: &Sculpting) -> Vec<Step> {
     let mut nodes = halved(sculpting.grid, MIDDLE);
-    let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }, Step::Matching { nodes, rounds: ROUNDS }];
+    let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }];
+    // Where valleys may be sharp a descent alone gets as far, and logos of many pieces further.
+    if sculpting.cutter.is_some() {
+        steps.push(Step::Matching { nodes, rounds: ROUNDS });
+    }
     steps.extend(DESCENT.map(|stage| Step::Descent { nodes, stage }));
     while nodes < sculpting.grid {
         nodes = halved(sculpting.grid, 2 * nodes + 2);

@@ -27,7 +27,7 @@ impl Start {
     pub fn suitable(to_cut: bool, shallow: bool) -> &'static [Self] {
         match (to_cut, shallow) {
             (true, false) => &[Self::Hills(1), Self::Cone, Self::Roof],
-            (false, false) => &[Self::Hills(4), Self::Hills(2), Self::Cone, Self::Roof],
+            (false, false) => &[Self::Hills(1), Self::Hills(4), Self::Hills(2), Self::Cone, Self::Roof],
             (_, true) => &[Self::Hills(1), Self::Hills(2), Self::Hills(4), Self::Hills(8)],
         }
     }
