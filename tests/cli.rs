@@ -407,7 +407,7 @@ fn a_design_resumed_from_its_snapshots_ends_in_the_same_bytes() {
     assert!(stl("whole") == stl("kept"));
     let kept = names(&home.path().join("kept/snapshots"));
     assert_eq!(kept.last().unwrap(), "state");
-    assert!(kept.len() > 4 && kept[0] == "01-tries.png" && kept[1] == "02-matching.png", "{kept:?}");
+    assert!(kept.len() > 4 && kept[0] == "01-tries.png" && kept[1] == "02-descent.png", "{kept:?}");
     let picture = image::open(home.path().join("kept/snapshots").join(&kept[kept.len() - 2])).unwrap().into_luma8();
     assert_eq!(picture.dimensions(), (256, 256));
     // The ring is lit, its middle is not.
@@ -418,7 +418,7 @@ fn a_design_resumed_from_its_snapshots_ends_in_the_same_bytes() {
     for wait in 0..2 {
         let line = format!("design ring.png -o stopped {SHEET} {}", if wait == 0 { "--snapshots" } else { "--resume" });
         let mut child = facetmill().current_dir(home.path()).args(line.split(' ')).spawn().unwrap();
-        let seen = ["02-matching.png", "04-descent.png"][wait];
+        let seen = ["02-descent.png", "03-descent.png"][wait];
         while !snapshots.join(seen).exists() && child.try_wait().unwrap().is_none() {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
