@@ -1,0 +1,123 @@
+//! What the program says: reports, estimates, help, errors.
+
+use std::fs;
+use std::process::Stdio;
+
+use serde_json::Value;
+
+use super::program::{facetmill, finish, home, run_line};
+use super::{SMALL, assert_done, assert_refused, json, names};
+
+#[test]
+fn json_is_the_report_and_errors_are_json_too() {
+    let home = home();
+    let done = run_line(home.path(), &format!("design ring.png -o plate {SMALL} --json"));
+    assert_done(&done);
+    assert_eq!(done.stdout, fs::read_to_string(home.path().join("plate/report.json")).unwrap());
+    let done = run_line(home.path(), "verify plate/plate.stl --against ring.png -o proof --rays 20000 --json --quiet");
+    assert_done(&done);
+    assert_eq!(done.stdout, fs::read_to_string(home.path().join("proof/report.json")).unwrap());
+    for (line, code) in [
+        ("design ring.png -o q --json --cells 7", 4),
+        ("design nothing.png -o q --json", 3),
+        ("design ring.png -o plate --json", 5),
+        ("design ring.png -o q --json --rays 1", 2),
+        ("design ring.png -o q --json --bogus", 2),
+    ] {
+        let failed = run_line(home.path(), line);
+        assert_refused(&failed, code, &[]);
+        let said: Value = serde_json::from_str(&failed.stdout).unwrap();
+        assert_eq!(said["exit_code"], code, "{line}");
+        assert_eq!(format!("facetmill: {}\n", said["error"].as_str().unwrap()), failed.stderr, "{line}");
+    }
+}
+
+#[test]
+fn a_dry_run_needs_no_folder_and_writes_nothing() {
+    let home = home();
+    let line = "design ring.png --dry-run --size 30x20 --border 2 --facets 30x20 --rays 100000";
+    let told = run_line(home.path(), line);
+    assert_done(&told);
+    assert!(told.stdout.contains("34 × 24 mm") && told.stdout.contains("MB"), "{}", told.stdout);
+    let told = run_line(home.path(), &format!("{line} -o plate --json"));
+    assert_done(&told);
+    assert_eq!(names(home.path()), ["ring.png"]);
+    let about: Value = serde_json::from_str(&told.stdout).unwrap();
+    assert_eq!(about["plate_mm"], serde_json::json!([34.0, 24.0]));
+    assert_done(&run_line(home.path(), &line.replace("--dry-run", "-o plate --no-verify")));
+    let bytes = json(home.path().join("plate/report.json"))["stl"]["bytes"].as_f64().unwrap();
+    let ratio = about["stl_bytes_about"].as_f64().unwrap() / bytes;
+    assert!((0.7..1.3).contains(&ratio), "{ratio}");
+    assert_refused(&run_line(home.path(), "design nothing.png --dry-run"), 3, &["nothing.png"]);
+}
+
+#[test]
+fn verifying_our_own_plate_agrees_with_the_designs_figures() {
+    let home = home();
+    for (k, flags) in ["--arrange random", "--light 25,130 --projection screen --quantity flux --light-radius 0.27"]
+        .into_iter()
+        .enumerate()
+    {
+        let rays = "--rays 300000";
+        assert_done(&run_line(home.path(), &format!("design ring.png -o d{k} --facets 12x12 {rays} {flags}")));
+        let optics = flags.replace("--arrange random", "");
+        let line = format!("verify d{k}/plate.stl --against ring.png -o v{k} {rays} {optics}");
+        assert_done(&run_line(home.path(), &line));
+        assert_eq!(
+            names(&home.path().join(format!("v{k}"))),
+            ["comparison.png", "report.json", "simulated.png", "target.png"]
+        );
+        let designed = &json(home.path().join(format!("d{k}/report.json")))["designed"];
+        let measured = &json(home.path().join(format!("v{k}/report.json")))["measured"];
+        let number = |v: &Value| v.as_f64().unwrap();
+        let compare = |pick: &dyn Fn(&Value) -> f64, name: &str| {
+            let error = pick(&designed["error"]).hypot(pick(&measured["error"]));
+            let (a, b) = (pick(designed), pick(measured));
+            // Single precision of the file moves borderline rays; 2e-4 is far below what anyone can see.
+            assert!((a - b).abs() < 4.0 * error + 2e-4, "{name}: {a} and {b} ± {error}");
+        };
+        for key in ["tv", "tv_incident", "ssim"] {
+            ["0.5", "1", "2"].iter().for_each(|blur| compare(&|v| number(&v[key][blur]), key));
+        }
+        ["w1_deg", "efficiency", "multi_bounce", "blocked"].iter().for_each(|key| compare(&|v| number(&v[key]), key));
+    }
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let home = home();
+    for line in ["--help", "design --help", "design ring.png --dry-run", "design ring.png --dry-run --json"] {
+        let mut child = facetmill().current_dir(home.path()).args(line.split(' ')).spawn().unwrap();
+        drop(child.stdout.take());
+        let outcome = finish(child);
+        assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""), "{line}");
+    }
+    if let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") {
+        let mut command = facetmill();
+        command.current_dir(home.path()).args(["design", "ring.png", "--dry-run"]).stdout(Stdio::from(full));
+        assert_refused(&finish(command.spawn().unwrap()), 5, &["standard output"]);
+    }
+}
+
+#[test]
+fn help_names_every_flag_of_the_contract() {
+    let home = home();
+    let told = run_line(home.path(), "design --help");
+    assert_done(&told);
+    for flag in
+        "half-field projection quantity seen light light-radius size facets cells thickness border surface grid \
+                 for-cutter min-feature max-triangles levelling max-depth snapshots resume \
+                 invert rotate fit sample arrange method level recipe seed threads force json quiet no-verify dry-run"
+            .split_whitespace()
+    {
+        assert!(told.stdout.contains(&format!("--{flag}")), "{flag}");
+    }
+    let told = run_line(home.path(), "verify -h");
+    assert_done(&told);
+    assert!(told.stdout.contains("--against <PICTURE>") && told.stdout.contains("--rays"));
+    let told = run_line(home.path(), "--version");
+    assert_eq!(told.stdout, concat!("facetmill ", env!("CARGO_PKG_VERSION"), "\n"));
+    let told = run_line(home.path(), "");
+    assert_eq!(told.code, Some(2));
+    assert!(told.stderr.contains("design") && told.stderr.contains("Usage"));
+}
