@@ -39,6 +39,12 @@ struct Fold {
 }
 
 impl Fold {
+    /// Whether its ends are further apart than the bins `apart`.
+    #[inline]
+    fn moves_light(self, apart: [f32; 2]) -> bool {
+        self.to - self.from > apart[self.axis]
+    }
+
     fn ends(self, bins: &Bins) -> [Place; 2] {
         let place = |s: f32| if self.axis == 0 { bins.place(s, self.along) } else { bins.place(self.along, s) };
         [place(self.from), place(self.to)]
@@ -65,7 +71,7 @@ impl Folds {
     pub fn shine(&self, row: &Row<'_>, bins: &Bins, light: &mut [f32]) {
         let apart = bins.apart();
         for i in 0..row.p[0].len() - 1 {
-            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to - fold.from > apart[fold.axis]) {
+            for fold in Self::of(row, i).into_iter().filter(|fold| fold.moves_light(apart)) {
                 let mass = self.share[fold.axis] * (fold.to - fold.from);
                 let [near, far] = fold.ends(bins);
                 bins.lay(light, near, -0.5 * mass);
@@ -92,8 +98,7 @@ impl Folds {
                 let share = self.share[fold.axis];
                 let (cost, rate) = self.charge(fold.to - fold.from);
                 toll += f64::from(share * cost);
-                let is_strip = fold.to - fold.from > apart[fold.axis];
-                let strip = if is_strip { Self::strip(fold, bins, potential) } else { [0.0; 3] };
+                let strip = if fold.moves_light(apart) { Self::strip(fold, bins, potential) } else { [0.0; 3] };
                 let [from, to, along] = strip.map(|v| share * v);
                 let (from, to) = (from - price * share * rate, to + price * share * rate);
                 if fold.axis == 0 {

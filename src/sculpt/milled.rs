@@ -18,7 +18,7 @@ use super::resample::sampled;
 use super::rims::Lattice;
 use super::waves::Waves;
 
-/// Samples a side of a cell at the most.
+/// Places along a side of a cell at the most.
 const MOST: usize = 2000;
 
 /// Places of the tool across a cutter, unless a cell would have more than [`MOST`].
@@ -55,7 +55,7 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
-    /// The same ball over twice as many places a side.
+    /// The same ball over twice as many places a side, [`MOST`] or not.
     pub fn twice_as_fine(&self) -> Self {
         Self { radius: self.radius, places: 2 * self.places }
     }
