@@ -55,7 +55,7 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
-    /// The same ball over twice as many places a side, [`MOST`] or not.
+    /// The same ball over twice as many places a side, however many that are.
     pub fn twice_as_fine(&self) -> Self {
         Self { radius: self.radius, places: 2 * self.places }
     }
