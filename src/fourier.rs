@@ -28,6 +28,17 @@ impl Fourier {
         Self { rows: Line::cosines(width), columns: Line::cosines(height) }
     }
 
+    /// The waves (or cosines) that add up to the real grid `values`, of the planned size and not empty: that of
+    /// frequency indices (i, j) is number i · height + j, for waves Σ value(x, y) exp(-i(ax + by)).
+    pub fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
+        let mut waves: Vec<Complex64> = values.iter().map(|&v| Complex64::new(v, 0.0)).collect();
+        self.rows.forward(&mut waves);
+        // Columns lie in rows of the transposed grid.
+        let mut waves = transposed(&waves, self.rows.length);
+        self.columns.forward(&mut waves);
+        waves
+    }
+
     /// Replaces the real grid `values`, of the planned size, by itself filtered: every wave (frequency indices i, j)
     /// times `gain(i, j)`.
     ///
@@ -38,11 +49,7 @@ impl Fourier {
             return;
         }
         let (width, height) = (self.rows.length, self.columns.length);
-        let mut waves: Vec<Complex64> = values.iter().map(|&v| Complex64::new(v, 0.0)).collect();
-        self.rows.forward(&mut waves);
-        // Columns lie in rows of the transposed grid.
-        let mut waves = transposed(&waves, width);
-        self.columns.forward(&mut waves);
+        let mut waves = self.spectrum(values);
         let scale = 1.0 / (width * height) as f64;
         in_pieces(&mut waves, height, |i, column| {
             for (j, wave) in column.iter_mut().enumerate() {

@@ -23,7 +23,7 @@ pub enum Quantity {
 /// The flux that the highlight asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Highlight {
-    /// Flux per pixel that a plate can send, sum 1: nothing below the plate. Shape of the picture.
+    /// Flux per pixel that a plate can send, sum 1: nothing below the plate. Shape of the picture, or finer once sharpened.
     pub flux: Raster,
     /// Share of the picture's light painted where no direction above the plate is.
     pub below_plate: f64,

@@ -55,7 +55,8 @@
 //!    [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
 //! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
-//! 4. **Wanted slopes.** [`distribution`] gives every pixel its share of the plate's area.
+//! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
+//!    share of the plate's area.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Or one sheet.** [`sculpt`] shapes a continuous relief in place of facets: see [`recipe::SurfaceKind`].
@@ -118,6 +119,7 @@
 //! | rasters | row-major, row 0 on top | a picture's light is brightness; from [`highlight`] on, flux per pixel |
 //! | slope grids, reliefs | row-major, row 0 is the lowest y | the opposite of rasters |
 //! | shares | of incident flux unless said otherwise | `multi_bounce` is a share of the flux that leaves upward |
+//! | lobe | scatter of the base metal | standard deviation of its deflections along each axis, at normal incidence |
 //! | blur | standard deviation of a Gaussian at the image centre | 0.5°, 1°, 2° in reports |
 //! | numbers | f64; f32 only in a [`relief::mesh::Mesh`], as in an STL file | |
 //! | randomness | streams from (seed, index) | same bytes for any number of threads |
@@ -159,6 +161,8 @@ pub mod raster;
 pub mod picture;
 
 pub mod highlight;
+
+pub mod sharpen;
 
 pub mod distribution;
 

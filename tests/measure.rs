@@ -303,7 +303,7 @@ fn rounds_until_an_error_leave_the_units_alone() {
 #[test]
 fn a_designs_folder_supplies_lamp_field_and_mount() {
     let home = home();
-    let optics = "--light 20,90 --light-radius 0.3 --half-field 12 --projection screen";
+    let optics = "--light 20,90 --light-radius 0.3 --lobe 0.4 --half-field 12 --projection screen";
     let design = format!("design ring.png -o sun --facets 12x12 --no-verify --seed 5 --rays 3000 {optics}");
     assert_done(&run_line(home.path(), &design));
     let small = "--rays 20000 --resolution 32";

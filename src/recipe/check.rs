@@ -24,6 +24,7 @@ impl Recipe {
         within("size", plate.size[1], 0.01, 10_000.0)?;
         within("thickness", plate.thickness, 0.01, 1000.0)?;
         within("border", plate.border, 0.0, 1000.0)?;
+        within("lobe", plate.lobe, 0.0, 10.0)?;
         within("slope-cap", self.design.distribution.slope_cap, 0.1, 85.0)?;
         within("facets", plate.facets[0] as f64, 1.0, MOST_FACETS as f64)?;
         within("facets", plate.facets[1] as f64, 1.0, MOST_FACETS as f64)?;

@@ -14,6 +14,8 @@ use serde::{Deserialize, Serialize};
 pub use check::RecipeError;
 pub use cutter::{Cutter, CutterError};
 
+use crate::brdf::material::{Material, Substance};
+use crate::brdf::microfacet::Lobe;
 use crate::distribution::DistributionSettings;
 use crate::facets::arrange::anneal::{Annealing, Energy};
 use crate::facets::sample::Sampling;
@@ -23,6 +25,7 @@ use crate::projection::Projection;
 use crate::sculpt::design::Sculpting;
 use crate::sculpt::plan::suitable_grid;
 use crate::setup::Setup;
+use crate::sharpen::Blur;
 
 /// All that a design depends on. The same recipe gives the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -120,6 +123,9 @@ pub struct PlateSettings {
     pub thickness: f64,
     /// Flat rim around the optical area, mm.
     pub border: f64,
+    /// Scatter of the polished base metal, degrees: standard deviation, along each axis, of what it adds to the
+    /// direction of light mirrored at normal incidence. 0 is a perfect mirror.
+    pub lobe: f64,
     /// Kind of relief.
     pub surface: SurfaceKind,
     /// Nodes along each side of a cell of a continuous relief; without it, as suits picture, cutter and file.
@@ -137,6 +143,7 @@ impl Default for PlateSettings {
             cells: None,
             thickness: 5.0,
             border: 0.0,
+            lobe: 0.0,
             surface: SurfaceKind::Flat,
             grid: None,
             max_triangles: 3_000_000,
@@ -300,6 +307,21 @@ impl Recipe {
         let HighlightSettings { projection, half_field, .. } = self.highlight;
         let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);
         Setup::new(theta, phi, radius, projection, half_field)
+    }
+
+    /// What the lamp of `setup` and the plate's metal blur, if they do.
+    pub fn blur(&self, setup: &Setup) -> Option<Blur> {
+        Blur::new(setup, self.plate.lobe.to_radians())
+    }
+
+    /// What the plate is made of: a mirror that takes no light, with Gaussian microscopic slopes if it has a lobe.
+    ///
+    /// A tilt by t throws light 2t aside, so that their standard deviation is half the lobe's, and Beckmann's α is √2
+    /// times that. Below [`Lobe::ALPHA`](crate::brdf::microfacet::Lobe::ALPHA), about 0.08°, it is smooth.
+    pub fn metal(&self) -> Material {
+        let slope = 0.5 * self.plate.lobe.to_radians();
+        let lobe = Lobe::beckmann_of_rms(slope, slope).ok();
+        Material::new(Substance::Mirror, lobe).unwrap_or_default()
     }
 
     /// Size of a facet, mm.

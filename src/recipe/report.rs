@@ -12,6 +12,7 @@ use crate::picture::Picture;
 use crate::projection::View;
 use crate::sculpt::design::Sculpture;
 use crate::sculpt::detail::Detail;
+use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::Misplaced;
 
@@ -38,7 +39,13 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
         "highlight": {
             "below_plate": design.below_plate,
             "beyond_cap": distribution.beyond_cap,
-            "brightest_vs_white_paper": brightest_vs_white_paper(distribution),
+            "brightest_vs_white_paper": brightest_vs_white_paper(recipe, distribution),
+        },
+        "blur": {
+            "light_radius_deg": recipe.light.radius,
+            "lobe_deg": recipe.plate.lobe,
+            "metal": recipe.metal(),
+            "sharpening": design.sharpening.map(sharpening),
         },
         "design": {
             "pitch_mm": [pitch.x, pitch.y],
@@ -92,6 +99,12 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
     report
 }
 
+/// What sharpening the light against lamp and metal is worth, as far as the light is as wanted.
+fn sharpening(worth: Sharpening) -> Value {
+    let at_judge = |value: f64| -> Value { Map::from_iter([(SCORED_AT.to_string(), json!(value))]).into() };
+    json!({ "tv_without": at_judge(worth.before), "tv_with": at_judge(worth.after), "steps": worth.steps })
+}
+
 /// The facts of a continuous relief.
 fn continuous(recipe: &Recipe, design: &Design, sculpture: &Sculpture) -> Value {
     let relief = &sculpture.relief;
@@ -123,14 +136,15 @@ fn mean_slope_costs(recipe: &Recipe, distribution: &Distribution) -> f64 {
 ///
 /// The drawing fixes the highlight only up to a factor, and the plate's area fixes that factor (∫ p ds = 1): white
 /// paper of albedo 1 sends E cosθi / π everywhere, a pixel that gets the share f of all flux f E cosθi / (cosθo dω).
-fn brightest_vs_white_paper(distribution: &Distribution) -> f64 {
-    let flux = &distribution.flux;
+fn brightest_vs_white_paper(recipe: &Recipe, distribution: &Distribution) -> f64 {
+    let blurred = recipe.blur(&distribution.setup).map(|blur| seen(&distribution.flux, &blur));
+    let flux = blurred.as_ref().unwrap_or(&distribution.flux);
     let pixel = 4.0 / (flux.width * flux.height) as f64;
     let ratios = flux.values.iter().enumerate().filter(|(_, f)| **f > 0.0).filter_map(|(k, f)| {
         let uv = View::pixel_centre(k % flux.width, k / flux.width, flux.width, flux.height);
         let o = distribution.setup.viewer_at(uv)?;
-        let seen = o.z * pixel * distribution.setup.view().solid_angle_density(uv);
-        (seen > 0.0).then_some(PI * f / seen)
+        let foreshortened = o.z * pixel * distribution.setup.view().solid_angle_density(uv);
+        (foreshortened > 0.0).then_some(PI * f / foreshortened)
     });
     ratios.fold(0.0, f64::max)
 }
@@ -166,7 +180,12 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
     }
     if let Some(verdict) = verdict {
         let tv = verdict.main().tv.value;
-        if tv > 0.05 && design.sculpture.is_none() {
+        let blurred = design.sharpening.map_or(0.0, |worth| worth.after);
+        if blurred > 0.05 {
+            say(format!(
+                "Lamp and metal blur the picture by more than light can be sharpened (TV {blurred:.3} at {SCORED_AT}°): a smaller lamp, better polish, or a picture of coarser detail or larger --half-field."
+            ));
+        } else if tv > 0.05 && design.sculpture.is_none() {
             let [columns, rows] = recipe.plate.facets;
             say(format!(
                 "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",

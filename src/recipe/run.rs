@@ -23,6 +23,7 @@ use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
 use crate::sculpt::milled::{Tool, levelled};
 use crate::sculpt::waypoint::Waypoint;
 use crate::setup::Setup;
+use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
 use crate::trace::mesh::MeshSurfaceError;
@@ -43,6 +44,8 @@ const DEPTH_ALLOWANCE: f64 = 0.02;
 pub struct Design {
     /// Share of the picture's light painted where no direction above the plate is.
     pub below_plate: f64,
+    /// What sharpening was worth, if lamp or metal blur.
+    pub sharpening: Option<Sharpening>,
     /// The slopes that were wanted.
     pub distribution: Distribution,
     /// Facets in their places, if the relief is made of them.
@@ -123,10 +126,17 @@ pub fn design_by_way(
     let mut clock = Clock::start();
     progress.stage("reading slopes off the highlight");
     let setup = recipe.setup();
-    let highlight = Highlight::new(&shrunk(light), recipe.highlight.quantity, &setup).ok_or(DesignError::AllBelow)?;
+    let mut highlight =
+        Highlight::new(&shrunk(light), recipe.highlight.quantity, &setup).ok_or(DesignError::AllBelow)?;
     if highlight.below_plate > MOST_BELOW {
         return Err(DesignError::MostlyBelow { share: highlight.below_plate });
     }
+    let sharpening = recipe.blur(&setup).map(|blur| {
+        progress.stage("sharpening what lamp and metal will blur");
+        let sharpening = sharpen(&mut highlight.flux, &blur, progress);
+        clock.lap("sharpening");
+        sharpening
+    });
     let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
     clock.lap("distribution");
     let plate = match recipe.plate.surface {
@@ -140,6 +150,7 @@ pub fn design_by_way(
     let seconds = clock.laps;
     Ok(Design {
         below_plate: highlight.below_plate,
+        sharpening,
         distribution,
         facets,
         sculpture,
@@ -244,7 +255,8 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let setup = &design.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let mirrored = Mirrored { setup, measuring: &measuring, progress };
+    let metal = recipe.metal();
+    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let measurement = match &design.sculpture {
         None => mirrored.on(&GridSurface::new(&design.relief)),
         // The triangles themselves, as they stand in the file.
@@ -255,7 +267,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
     let made = design.sculpture.as_ref().map(|sculpture| Made::of(recipe, sculpture));
-    let sheet = made.as_ref().and_then(|made| made.looked_at(&target, setup, measuring.seed));
+    let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
     let milled = prove_milled(recipe, made.as_ref(), setup, &target, &measuring, progress)?;
     Ok(Proof { target, measurement, verdict, sheet, milled })
 }
@@ -282,13 +294,15 @@ impl Made {
         Self { relief: levelled(cut, recipe.design.levelling), left }
     }
 
-    fn looked_at(&self, target: &Raster, setup: &Setup, seed: u64) -> Option<SheetProof> {
+    fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
         // Windows lie anywhere on a plate of many cells.
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
         let changed = change(&self.relief, setup);
         let detail = smallest_detail(&self.relief, &changed);
         let diffracted = diffracted(&self.relief, 1.0, &changed);
-        Some(SheetProof { windows: likeness(&plate, setup, target, seed)?, detail, diffracted })
+        let blur = recipe.blur(setup);
+        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed)?;
+        Some(SheetProof { windows, detail, diffracted })
     }
 }
 
@@ -305,7 +319,8 @@ fn prove_milled(
     progress.stage("milling it, and tracing that");
     let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
     let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let measurement = surface.run(Mirrored { setup, measuring, progress }).ok_or_else(unlit)?;
+    let metal = recipe.metal();
+    let measurement = surface.run(Mirrored { setup, metal: &metal, measuring, progress }).ok_or_else(unlit)?;
     let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
     Ok(Some(MilledProof { left: made.left, verdict }))
 }

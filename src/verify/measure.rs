@@ -109,11 +109,13 @@ pub fn measure<S: Surface>(
     collect(experiment, &screen, measuring, progress)
 }
 
-/// Any plate as an ideal mirror: [`measure`] for [`Plate::run`](crate::trace::plate::Plate::run).
+/// Any plate of some metal under the setup's own round lamp: [`measure`] for [`Plate::run`](crate::trace::plate::Plate::run).
 #[derive(Clone, Copy)]
 pub struct Mirrored<'a> {
     /// Light and image.
     pub setup: &'a Setup,
+    /// What the plate is made of.
+    pub metal: &'a Material,
     /// How finely.
     pub measuring: &'a Measuring,
     /// Who listens.
@@ -124,7 +126,8 @@ impl Task for Mirrored<'_> {
     type Output = Option<Measurement>;
 
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        measure(&Experiment::new(surface, self.setup), self.measuring, self.progress)
+        let experiment = Experiment { material: self.metal.clone(), ..Experiment::new(surface, self.setup) };
+        measure(&experiment, self.measuring, self.progress)
     }
 }
 

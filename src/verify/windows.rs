@@ -17,6 +17,7 @@ use crate::raster::Raster;
 use crate::relief::heights::rises;
 use crate::relief::periodic::PeriodicRelief;
 use crate::setup::Setup;
+use crate::sharpen::{Blur, seen};
 use crate::slope::{Slope, mirror};
 
 /// Windows of half a cell: one at a random place in each of 4 × 4 parts of the cell.
@@ -42,15 +43,26 @@ pub struct Likeness {
     pub half_cell: Misplaced,
 }
 
-/// Compares windows of `relief` with `target` (flux per pixel, sum 1, row 0 on top), at places that follow from `seed`.
+/// Compares windows of `relief`, seen through `blur` if there is one, with `target` (flux per pixel, sum 1, row 0 on top),
+/// at places that follow from `seed`.
 ///
 /// `None` if one of the windows gets no light.
-pub fn likeness(relief: &PeriodicRelief, setup: &Setup, target: &Raster, seed: u64) -> Option<Likeness> {
+pub fn likeness(
+    relief: &PeriodicRelief,
+    setup: &Setup,
+    blur: Option<&Blur>,
+    target: &Raster,
+    seed: u64,
+) -> Option<Likeness> {
     let light = FirstLight::new(relief, setup, (target.width, target.height));
     let n = relief.nodes;
     let wanted = blurred(target, setup.view(), MAIN_BLUR.to_radians());
     let misplaced = |corners: &[[usize; 2]], side: usize| {
-        let each = |&corner: &[usize; 2]| Some(misplaced(&light.window(corner, side)?, &wanted, setup.view()));
+        let each = |&corner: &[usize; 2]| {
+            let sent = light.window(corner, side)?;
+            let blurred = blur.map(|blur| seen(&sent, blur));
+            Some(misplaced(blurred.as_ref().unwrap_or(&sent), &wanted, setup.view()))
+        };
         let values: Vec<f64> = corners.par_iter().map(each).collect::<Option<_>>()?;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         Some(Misplaced { mean, largest: values.into_iter().fold(0.0, f64::max) })
@@ -206,7 +218,7 @@ mod tests {
         let target = moved(&relief, &setup);
         let light = FirstLight::new(&relief, &setup, (SIDE, SIDE));
         let wanted = blurred(&target, setup.view(), MAIN_BLUR.to_radians());
-        let whole = likeness(&relief, &setup, &target, 1).unwrap().cell;
+        let whole = likeness(&relief, &setup, None, &target, 1).unwrap().cell;
         assert!(whole.mean > 0.01 && whole.mean < 0.5 && whole.largest == whole.mean);
         for corner in places(&relief, 40, 5) {
             let figure = misplaced(&light.window(corner, 40).unwrap(), &wanted, setup.view());
@@ -219,7 +231,8 @@ mod tests {
         let setup = setup(0.0);
         let fine = relief(40, [2, 2], |x, y| hills(1.0)((2.0 * x).fract(), (2.0 * y).fract()) / 2.0);
         let coarse = relief(40, [2, 2], hills(1.0));
-        let [same, other] = [fine, coarse].map(|relief| likeness(&relief, &setup, &moved(&relief, &setup), 3).unwrap());
+        let [same, other] =
+            [fine, coarse].map(|relief| likeness(&relief, &setup, None, &moved(&relief, &setup), 3).unwrap());
         for figure in [same.half_cell.mean, same.half_cell.largest] {
             assert!((figure - same.cell.mean).abs() < 1e-6, "{same:?}");
         }
@@ -233,7 +246,7 @@ mod tests {
         let setup = setup(0.0);
         let dome = relief(128, [2, 2], |x, y| -0.15 * (2.0 * (x - 0.5).powi(2) + 3.0 * (y - 0.5).powi(2)));
         let target = FirstLight::new(&dome, &setup, (SIDE, SIDE)).window([0, 0], 128).unwrap();
-        let figures = likeness(&dome, &setup, &target, 7).unwrap();
+        let figures = likeness(&dome, &setup, None, &target, 7).unwrap();
         assert!(figures.cell.largest < 1e-9);
         assert!((figures.half_cell.mean - 0.68).abs() < 0.03, "{figures:?}");
         assert!(figures.half_cell.largest < 0.75);
@@ -245,11 +258,11 @@ mod tests {
         let flat = relief(16, [1, 1], |_, _| 0.0);
         let target = moved(&flat, &setup);
         let steep = PeriodicRelief { tilt: Slope::new(0.5, 0.0), ..flat };
-        let figures = likeness(&steep, &setup, &target, 0).unwrap();
+        let figures = likeness(&steep, &setup, None, &target, 0).unwrap();
         assert!((figures.cell.mean - 1.0).abs() < 1e-3 && (figures.half_cell.largest - 1.0).abs() < 1e-3);
         let away = PeriodicRelief { tilt: Slope::new(5.0, 0.0), ..steep };
         let grazing = Setup::new(1.4, 0.0, 0.0, Projection::Equidistant, 0.3);
-        assert_eq!(likeness(&away, &grazing, &target, 0), None);
+        assert_eq!(likeness(&away, &grazing, None, &target, 0), None);
     }
 
     #[test]

@@ -54,9 +54,10 @@ fn a_dry_run_needs_no_folder_and_writes_nothing() {
 #[test]
 fn verifying_our_own_plate_agrees_with_the_designs_figures() {
     let home = home();
-    for (k, flags) in ["--arrange random", "--light 25,130 --projection screen --quantity flux --light-radius 0.27"]
-        .into_iter()
-        .enumerate()
+    for (k, flags) in
+        ["--arrange random", "--light 25,130 --projection screen --quantity flux --light-radius 0.27 --lobe 0.4"]
+            .into_iter()
+            .enumerate()
     {
         let rays = "--rays 300000";
         assert_done(&run_line(home.path(), &format!("design ring.png -o d{k} --facets 12x12 {rays} {flags}")));
@@ -105,7 +106,7 @@ fn help_names_every_flag_of_the_contract() {
     let told = run_line(home.path(), "design --help");
     assert_done(&told);
     for flag in
-        "half-field projection quantity seen light light-radius size facets cells thickness border surface grid \
+        "half-field projection quantity seen light light-radius lobe size facets cells thickness border surface grid \
                  for-cutter min-feature max-triangles levelling max-depth snapshots resume \
                  invert rotate fit sample arrange method level recipe seed threads force json quiet no-verify dry-run"
             .split_whitespace()

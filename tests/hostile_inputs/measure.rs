@@ -10,6 +10,7 @@ use crate::{Trials, words};
 const NUMERIC: &[(&str, &str, &[&str])] = &[
     ("--margin", "", &["0", "1e-300"]),
     ("--light-radius", "", &["0", "1e-300"]),
+    ("--lobe", "", &["0", "1e-300"]),
     ("--lamp-half-field", "--lamp ring.png", &[]),
     ("--half-field", "", &[]),
     ("--resolution", "", &[]),
@@ -46,6 +47,9 @@ const FLAGS: &[(&str, i32, &str)] = &[
     ("--material diffuse:0.5:ggx:0.1", 2, "paint"),
     ("--material conductor:0,0", 2, "--material"),
     ("--material gold@1e300", 2, "--material"),
+    ("--material brass --lobe 1", 2, "--lobe"),
+    ("--ndf --lobe 1", 2, "--lobe"),
+    ("--lobe 10.5", 2, "--lobe"),
     ("--extent round", 2, "finite, endless"),
     ("--light 90,0", 2, "--light"),
     ("--light nan,0", 2, "--light"),

@@ -34,6 +34,7 @@ const RECIPES: &[(&str, i32, &str)] = &[
     ("[plate]\ncells = 7\n", 4, "7x7"),
     ("[plate]\ncells = 9223372036854775807\n", 3, "cells"),
     ("[plate]\nthickness = 0\n", 3, "thickness"),
+    ("[plate]\nlobe = -1\n", 3, "lobe"),
     ("[plate]\nsurface = 'curved'\n", 3, "curved"),
     ("[plate]\nsurface = {}\n", 3, "line 3"),
     ("[design]\nseed = -1\n", 3, "line 3"),

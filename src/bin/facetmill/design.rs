@@ -14,6 +14,7 @@ use facetmill::recipe::report::report;
 use facetmill::recipe::run::{Design, Proof, design_by_way, prove};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::sculpt::design::Sculpture;
+use facetmill::sharpen::SCORED_AT;
 use serde_json::{Value, json};
 
 use crate::args::DesignArgs;
@@ -230,6 +231,12 @@ fn print_result(
         let toward = normal.y.atan2(normal.x).to_degrees();
         let tilt = format!("{:.2}°", normal.z.acos().to_degrees());
         table.push(row("mount", tilt, format!("tilted so, its normal toward azimuth {toward:.1}°")));
+    }
+    if let Some(worth) = made.sharpening {
+        let tv = format!("{:.2} %", 100.0 * worth.after);
+        let without = 100.0 * worth.before;
+        let what = format!("misplaced by lamp and metal, seen at {SCORED_AT}°; {without:.2} % if not sharpened");
+        table.push(row("blur (TV)", tv, what));
     }
     if let Some(proof) = proof {
         table.extend(verdict_rows(&proof.verdict));

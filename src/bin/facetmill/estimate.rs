@@ -36,8 +36,8 @@ const EXCHANGE: f64 = 3.8e-8;
 /// CPU seconds for the pictures and the rest of the files.
 const FILES: f64 = 0.63;
 
-/// CPU seconds for scoring, and a ray.
-const PROOF: (f64, f64) = (0.5, 1.1e-7);
+/// CPU seconds for scoring, a ray, and one on metal with a lobe.
+const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
 
 /// Tells the estimate, as JSON or as a table.
 pub fn tell(recipe: &Recipe, proved: bool, to_json: bool, quiet: bool) -> Result<(), OutputError> {
@@ -64,7 +64,7 @@ fn facts(recipe: &Recipe, proved: bool) -> Value {
     let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
     // Measured on drawings and photographs: 8.4 to 11 triangles a facet with its walls. The rest is sides and base.
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
-    let proof = if proved { PROOF.0 + PROOF.1 * recipe.verify.rays as f64 } else { 0.0 };
+    let proof = if proved { proof_seconds(recipe) } else { 0.0 };
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
@@ -85,7 +85,7 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
     let triangles = 2 * side * side + 16 * side;
     let each = if sculpting.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
     let step = sculpting.cell / sculpting.grid as f64;
-    let proof = if proved { PROOF.0 + PROOF.1 * recipe.verify.rays as f64 } else { 0.0 };
+    let proof = if proved { proof_seconds(recipe) } else { 0.0 };
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
@@ -98,6 +98,11 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
         "verify_cpu_seconds_about": if sculpting.cutter.is_some() { 3.0 * proof } else { proof },
         "files_cpu_seconds_about": FILES + 2e-7 * triangles as f64,
     })
+}
+
+fn proof_seconds(recipe: &Recipe) -> f64 {
+    let ray = if recipe.metal().is_smooth() { PROOF.1 } else { PROOF.2 };
+    PROOF.0 + ray * recipe.verify.rays as f64
 }
 
 fn design_seconds(recipe: &Recipe) -> f64 {

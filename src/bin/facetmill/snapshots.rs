@@ -12,6 +12,7 @@ use facetmill::recipe::Recipe;
 use facetmill::relief::periodic::PeriodicRelief;
 use facetmill::sculpt::plan::plan;
 use facetmill::sculpt::waypoint::{Origin, Waypoint, read_state, write_state};
+use facetmill::sharpen::seen;
 use facetmill::verify::windows::FirstLight;
 use serde_json::Value;
 
@@ -85,16 +86,18 @@ impl<'a> Snapshots<'a> {
         Ok(())
     }
 
-    /// The highlight of one cell by first bounces, as bright as `simulated.png` will be.
+    /// The highlight of one cell by first bounces, blurred by lamp and metal, as bright as `simulated.png` will be.
     fn picture(&self, distribution: &Distribution, at: &Waypoint) -> image::GrayImage {
         let setup = &distribution.setup;
         let cell = self.recipe.sculpting().cell;
         let (nodes, heights) = (at.nodes, at.heights.clone());
         let relief = PeriodicRelief { nodes, heights, cell, cells: [1, 1], tilt: distribution.mean };
-        let light = FirstLight::new(&relief, setup, (SIDE, SIDE)).window([0, 0], nodes);
+        let sent = FirstLight::new(&relief, setup, (SIDE, SIDE)).window([0, 0], nodes);
+        let sent = sent.unwrap_or_else(|| Raster::zeros(SIDE, SIDE));
+        let light = self.recipe.blur(setup).map_or_else(|| sent.clone(), |blur| seen(&sent, &blur));
         let see = |raster: &Raster| as_seen(raster, self.recipe, setup.view());
         let target = see(&scored_target(self.light, self.recipe.highlight.quantity, setup, SIDE));
-        tone_mapped(&see(&light.unwrap_or_else(|| Raster::zeros(SIDE, SIDE))), common_white(&target))
+        tone_mapped(&see(&light), common_white(&target))
     }
 }
 

@@ -56,7 +56,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             "{name}: no light reaches the highlight image: check units, orientation and --light"
         ))
     };
-    let task = Mirrored { setup: &setup, measuring: &measuring, progress: &progress };
+    let metal = recipe.metal();
+    let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
     let measurement = opened.plate.run(task).ok_or_else(no_light)?;
     progress.stage("scoring");
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
@@ -84,6 +85,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         },
         "highlight": recipe.highlight,
         "light": recipe.light,
+        "lobe_deg": recipe.plate.lobe,
+        "metal": metal,
         "margin_mm": margin,
         "measured": proof.verdict.to_json(),
         "advice": advice,

@@ -51,7 +51,7 @@ pub struct MeasureArgs {
     #[arg(long, help_heading = WHAT)]
     pub look: bool,
 
-    /// What the plate is made of, such as aluminium or brass:ggx:0.2  [default: mirror]
+    /// What the plate is made of, such as aluminium or brass:ggx:0.2  [default: a mirror with the --lobe]
     ///
     /// A substance, and if its surface is not smooth, how rough it is. Smooth: `mirror` (takes no light), a metal,
     /// `acrylic`, `dielectric:1.5` (index of refraction), `conductor:1.2,6.9` (index and absorption), `paint:0.8` (a
@@ -61,6 +61,9 @@ pub struct MeasureArgs {
     /// in light of 650 nm instead of 550.
     #[arg(long, value_name = "MATERIAL", help_heading = "Plate", value_parser = material, conflicts_with = "ndf")]
     pub material: Option<Material>,
+    /// Scatter of polished metal, degrees, as `design` has it, in place of a material  [default: the design's, else 0]
+    #[arg(long, value_name = "DEG", help_heading = "Plate", value_parser = number, conflicts_with_all = ["material", "ndf"])]
+    pub lobe: Option<f64>,
     /// Rim that is no optical area and is not lit, mm  [default: 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     pub margin: Option<f64>,

@@ -102,7 +102,7 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         plate,
         endless,
         name: plates::name(&args.plate),
-        material: args.material.clone().unwrap_or_default(),
+        material: args.material.clone().unwrap_or_else(|| recipe.metal()),
         lamp: lamp(args, &recipe)?,
         opened,
         recipe,
@@ -155,6 +155,7 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
         (recipe.light.theta, recipe.light.phi) = (theta, phi);
     }
     recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
+    recipe.plate.lobe = args.lobe.unwrap_or(recipe.plate.lobe);
     recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
     recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
     recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
