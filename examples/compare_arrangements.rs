@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "", "step, pitch", "A_v", "V", "relief", "bounced twice", "TV(1°)"
     );
     for arrange in [Arrangement::Random, Arrangement::Anneal, Arrangement::Transport] {
-        recipe.design.arrange = arrange;
+        recipe.design.arrange = Some(arrange);
         let plate = design(&recipe, &picture.light, &Progress::silent())?;
         let proof = prove(&recipe, &picture.light, &plate, &Progress::silent())?;
         let (low, high) = plate.relief.height_range();

@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let silent = Progress::silent();
     let measuring = Measuring { rays: 500_000, ..Measuring::default() };
     let mut recipe = Recipe::default();
+    recipe.plate.facets = Some([30, 30]);
     recipe.highlight.half_field = 15.0;
     recipe.highlight.projection = Projection::Equidistant;
     recipe.light.phi = 90.0;

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
     let mut recipe = Recipe::default();
     // Many small cells: the eye takes them for one surface, and each holds the whole highlight.
-    recipe.plate.facets = [120, 120];
+    recipe.plate.facets = Some([120, 120]);
     recipe.plate.cells = Some(4);
     recipe.light.theta = 30.0;
     recipe.light.phi = 90.0;

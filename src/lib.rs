@@ -1,8 +1,8 @@
 //! facetmill turns a drawn highlight into a relief that can be milled and that really reflects it.
 //!
-//! A picture says how bright a piece of metal shall look from each direction. The crate finds a plate of small planar
-//! mirrors whose reflection is that picture, follows light over the exact plate to prove it, and closes the plate into
-//! a solid for milling. It follows Weyrich, Peers, Matusik, Rusinkiewicz, "Fabricating Microgeometry for Custom Surface
+//! A picture says how bright a piece of metal shall look from each direction. The crate finds a relief, one continuous
+//! sheet or a plate of small planar mirrors, whose reflection is that picture, follows light over the exact relief and
+//! over what its cutter leaves to prove it, and closes it into a solid for milling. It follows Weyrich, Peers, Matusik, Rusinkiewicz, "Fabricating Microgeometry for Custom Surface
 //! Reflectance" (SIGGRAPH 2009); `docs/method.md` in the repository has the mathematics.
 //!
 //! # From a drawing to a verdict
@@ -26,7 +26,7 @@
 //! let mut recipe = Recipe::default();
 //! recipe.highlight.half_field = 10.0;
 //! recipe.plate.size = [12.0, 12.0];
-//! recipe.plate.facets = [12, 12];
+//! recipe.plate.facets = Some([12, 12]);
 //! recipe.verify.rays = 100_000;
 //!
 //! let plate = design(&recipe, &picture.light, &Progress::silent())?;

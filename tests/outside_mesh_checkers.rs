@@ -22,10 +22,10 @@ use plates::{ALL, Shape, plate};
 
 /// Recipes whose plates are judged: picture, what differs from the default.
 const DESIGNS: [(&str, &str, &str); 17] = [
-    ("dome", "portrait", ""),
+    ("dome", "portrait", "plate = { facets = [30, 30] }"),
     ("wide", "word", "plate = { size = [45, 20], facets = [60, 24] }"),
     ("narrow", "star", "plate = { size = [7, 30], facets = [6, 71] }"),
-    ("cells_3", "ring", "plate = { cells = 3 }"),
+    ("cells_3", "ring", "plate = { facets = [30, 30], cells = 3 }"),
     ("cells_10", "letter", "plate = { cells = 10, border = 2 }\ndesign = { sample = 'sobol' }"),
     ("cells_of_no_order", "portrait", "plate = { cells = 2 }\ndesign = { arrange = 'random' }"),
     ("no_order", "letter", "highlight = { half-field = 40 }\ndesign = { arrange = 'random' }"),
@@ -33,10 +33,14 @@ const DESIGNS: [(&str, &str, &str); 17] = [
     ("annealed", "spiral", "[design]\narrange = 'anneal'\nannealing = { swaps = 100_000 }"),
     ("as_in_2009", "spiral", "[design]\narrange = 'anneal'\nheights = 'weyrich2009'\nannealing = { swaps = 100_000 }"),
     ("slanting", "portrait", "light = { theta = 50, phi = 200 }\nplate = { facets = [50, 50] }"),
-    ("level", "letter", "light = { theta = 30, phi = 10 }\ndesign = { distribution = { level = true } }"),
-    ("tiny", "ring", "plate = { size = [0.5, 0.5], thickness = 0.01 }"),
+    (
+        "level",
+        "letter",
+        "light = { theta = 30, phi = 10 }\ndesign = { arrange = 'transport', distribution = { level = true } }",
+    ),
+    ("tiny", "ring", "plate = { size = [0.5, 0.5], facets = [30, 30], thickness = 0.01 }"),
     ("sheet", "portrait", "plate = { surface = 'continuous', grid = 64 }"),
-    ("sheet_with_rim", "star", "plate = { surface = 'continuous', grid = 64, cells = 1, size = [30, 20], border = 3 }"),
+    ("sheet_with_rim", "star", "plate = { surface = 'continuous', grid = 64, size = [30, 9], border = 3 }"),
     (
         "sheet_to_cut",
         "letter",

@@ -63,9 +63,9 @@ fn agreed(picture: &str, flags: &[&str], settings: Value) -> Option<Value> {
 }
 
 /// The plain case: light from straight above, 20° of half field, brightness as drawn.
-fn plainly_agreed(picture: &str, most: f64) {
+fn plainly_agreed(picture: &str, flags: &str, most: f64) {
     let settings = json!({"projection": "orthographic", "half_field": 20, "rays": RAYS, "mode": "radiance"});
-    let Some(theirs) = agreed(picture, &[], settings) else { return };
+    let Some(theirs) = agreed(picture, &flags.split(' ').collect::<Vec<_>>(), settings) else { return };
     let lost_counts = theirs["tv_incident"].as_f64().unwrap();
     assert!(lost_counts <= most, "TV(1°) of {picture}, lost light counted, is {lost_counts}");
     assert!(theirs["multi_of_up"].as_f64().unwrap() <= 0.001, "{theirs}");
@@ -73,12 +73,13 @@ fn plainly_agreed(picture: &str, most: f64) {
 
 #[test]
 fn a_ring_shows_as_drawn() {
-    plainly_agreed("ring", 0.012);
+    plainly_agreed("ring", "--facets 30x30", 0.012);
 }
 
 #[test]
 fn a_portrait_shows_as_drawn() {
-    plainly_agreed("portrait", 0.016);
+    plainly_agreed("portrait", "--facets 30x30", 0.016);
+    plainly_agreed("portrait", "--grid 160", 0.004);
 }
 
 #[test]

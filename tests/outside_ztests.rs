@@ -49,11 +49,13 @@ fn designed(picture: &str, recipe: &str) -> Mesh {
     design(&recipe, &light, &Progress::silent()).unwrap().mesh
 }
 
+const FACETS: &str = "plate = { facets = [30, 30] }";
+
 fn plates() -> Vec<(&'static str, Mesh)> {
     vec![
-        ("ring", designed("ring", "")),
-        ("portrait", designed("portrait", "plate = { cells = 2 }")),
-        ("letter", designed("letter", "")),
+        ("ring", designed("ring", FACETS)),
+        ("portrait", designed("portrait", "plate = { facets = [30, 30], cells = 2 }")),
+        ("letter", designed("letter", FACETS)),
         ("tall_walls", designed("letter", "highlight = { half-field = 40 }\ndesign = { arrange = 'random' }")),
         ("waves", waves::waves()),
     ]

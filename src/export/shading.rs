@@ -29,13 +29,14 @@ const PAGE: Rgb<u8> = Rgb([255; 3]);
 const TEXT: Rgb<u8> = Rgb([51; 3]);
 const LINE: Rgb<u8> = Rgb([110; 3]);
 
-/// A shaded plan of the whole relief, rim included, with a scale bar and a caption; +y is up.
+/// A shaded plan of the whole relief, rim included, with a scale bar and a caption that names what it is `made_of`; +y is
+/// up.
 ///
 /// The plate's longer side gets `pixels` pixels (taken into 16 to 8192), the page a margin around it. Facets are
 /// shaded by their exact planes under a lamp at the upper left, higher ground is a little warmer, and a wall shows
 /// as a bright or dark edge as wide as its height asks for. All slopes are exaggerated by a round factor that makes
 /// the steeper facets stand out; the caption states it.
-pub fn relief_picture(relief: &FacetedRelief, pixels: usize) -> RgbImage {
+pub fn relief_picture(relief: &FacetedRelief, made_of: &str, pixels: usize) -> RgbImage {
     let (low, high) = relief.bounds();
     let size = (high - low).truncate();
     let [width, height] = pixel_counts(size, pixels.clamp(16, 8192));
@@ -75,26 +76,20 @@ pub fn relief_picture(relief: &FacetedRelief, pixels: usize) -> RgbImage {
         lettering::draw(&mut page, &length_text(bar), at, style);
     }
     let room = (page_width - left - margin / 2) as f32;
-    let (text, text_size) = lettering::fitted(&caption(relief, exaggeration), text_size, room);
+    let (text, text_size) = lettering::fitted(&caption(relief, made_of, exaggeration), text_size, room);
     let style = Style { size: text_size, colour: TEXT, align: Align::Left };
     lettering::draw(&mut page, &text, (left as f32, (bottom + px(78.0)) as f32), style);
     page
 }
 
-/// What stands under the picture: size, relief height, facets, and how much the slopes are exaggerated.
-fn caption(relief: &FacetedRelief, exaggeration: f64) -> String {
+/// What stands under the picture: size, relief height, parts, and how much the slopes are exaggerated.
+fn caption(relief: &FacetedRelief, made_of: &str, exaggeration: f64) -> String {
     let (low, high) = relief.bounds();
     let size = high - low;
     let rounded = |v: f64| number((v * 100.0).round() / 100.0);
-    let (columns, rows) = (relief.optical.0.len(), relief.optical.1.len());
     let slopes =
         if exaggeration == 1.0 { "slopes true".into() } else { format!("slopes shown ×{}", number(exaggeration)) };
-    format!(
-        "{} × {} mm · relief {} · {columns} × {rows} facets · {slopes}",
-        rounded(size.x),
-        rounded(size.y),
-        length_text(size.z)
-    )
+    format!("{} × {} mm · relief {} · {made_of} · {slopes}", rounded(size.x), rounded(size.y), length_text(size.z))
 }
 
 /// A length in the unit that suits it: "12 mm", "0.35 mm", "8.2 µm".
@@ -247,7 +242,7 @@ mod tests {
         assert_eq!(plan.wall(0, 0, DVec2::new(0.5, 0.98)), Some(DVec3::new(0.0, -1.0, WALL_LEAN)));
         assert_eq!(plan.wall(0, 0, DVec2::new(0.5, 0.97)), None);
         assert_eq!(plan.wall(0, 1, DVec2::new(0.5, 1.01)), None);
-        let page = relief_picture(&relief, 400);
+        let page = relief_picture(&relief, "2 facets", 400);
         let column = page.width() / 2;
         let (top, low) = (page.get_pixel(column, 60), page.get_pixel(column, 400));
         assert!(brightness(top) > brightness(low), "higher ground is lighter and lies at the top");
@@ -262,9 +257,12 @@ mod tests {
     #[test]
     fn captions_state_size_height_and_factor() {
         let relief = one(Slope::new(0.01, 0.0), DVec2::new(30.48, 20.0)).with_rim(1.0);
-        assert_eq!(caption(&relief, 60.0), "32.48 × 22 mm · relief 0.305 mm · 1 × 1 facets · slopes shown ×60");
+        assert_eq!(
+            caption(&relief, "1 × 1 facets", 60.0),
+            "32.48 × 22 mm · relief 0.305 mm · 1 × 1 facets · slopes shown ×60"
+        );
         let flat = one(Slope::FLAT, DVec2::new(5.0, 5.0));
-        assert_eq!(caption(&flat, 1.0), "5 × 5 mm · relief 0 mm · 1 × 1 facets · slopes true");
+        assert_eq!(caption(&flat, "1 × 1 facets", 1.0), "5 × 5 mm · relief 0 mm · 1 × 1 facets · slopes true");
         assert_eq!(
             [2.0, 0.5, 0.05, 0.0123456, 123.4].map(length_text),
             ["2 mm", "0.5 mm", "50 µm", "12.3 µm", "123 mm"]
@@ -275,14 +273,14 @@ mod tests {
     fn any_shape_of_plate_is_drawn_with_its_aspect_and_the_same_each_time() {
         for (size, pixels) in [(DVec2::new(30.0, 10.0), 300), (DVec2::new(0.1, 40.0), 200), (DVec2::ONE, 0)] {
             let relief = one(Slope::new(0.05, 0.1), size);
-            let page = relief_picture(&relief, pixels);
+            let page = relief_picture(&relief, "one facet", pixels);
             assert!(page.width() >= 336 && page.height() > 80);
-            assert_eq!(page, relief_picture(&relief, pixels));
+            assert_eq!(page, relief_picture(&relief, "one facet", pixels));
             // The paper stays white all around: nothing is cut off at its edge.
             let (w, h) = page.dimensions();
             assert!(page.enumerate_pixels().all(|(x, y, p)| *p == PAGE || (x > 0 && y > 0 && x < w - 1 && y < h - 1)));
         }
-        let page = relief_picture(&one(Slope::new(0.05, 0.1), DVec2::new(30.0, 10.0)), 600);
+        let page = relief_picture(&one(Slope::new(0.05, 0.1), DVec2::new(30.0, 10.0)), "one facet", 600);
         let row = (0..page.width()).filter(|&x| brightness(page.get_pixel(x, 100)) < 765).count();
         let column = (0..220).filter(|&y| brightness(page.get_pixel(300, y)) < 765).count();
         assert_eq!((row, column), (602, 194), "600 × 200 with its frame, of which the page's first 220 rows hold 194");

@@ -1,6 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::{Recipe, SurfaceKind};
+use crate::sculpt::milled_plate::least_diameter;
 
 /// Facets on one plate at the most.
 const MOST_FACETS: usize = 4_000_000;
@@ -26,11 +27,12 @@ impl Recipe {
         within("border", plate.border, 0.0, 1000.0)?;
         within("lobe", plate.lobe, 0.0, 10.0)?;
         within("slope-cap", self.design.distribution.slope_cap, 0.1, 85.0)?;
-        within("facets", plate.facets[0] as f64, 1.0, MOST_FACETS as f64)?;
-        within("facets", plate.facets[1] as f64, 1.0, MOST_FACETS as f64)?;
-        within("cells", self.cells() as f64, 1.0, MOST_FACETS as f64)?;
+        let [columns, rows] = self.facets();
+        within("facets", columns as f64, 1.0, MOST_FACETS as f64)?;
+        within("facets", rows as f64, 1.0, MOST_FACETS as f64)?;
+        within("cells", plate.cells.unwrap_or(1) as f64, 1.0, MOST_FACETS as f64)?;
         within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
-        within("max-triangles", plate.max_triangles as f64, 1000.0, 2e8)?;
+        within("max-triangles", self.most_triangles() as f64, 1000.0, 2e8)?;
         within("for-cutter", self.design.cutter.map_or(1.0, |c| c.diameter), 1e-3, 100.0)?;
         within("levelling", self.design.levelling, 0.0, 100.0)?;
         within("min-feature", self.design.min_feature, 0.0, 100.0)?;
@@ -38,18 +40,18 @@ impl Recipe {
         within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
         // What TOML can write back.
         within("seed", self.design.seed as f64, 0.0, 9.2e18)?;
-        let annealing = &self.design.annealing;
+        let annealing = self.annealing();
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
-        if plate.surface == SurfaceKind::Continuous {
+        self.check_kind()?;
+        if self.surface() == SurfaceKind::Continuous {
             return self.check_continuous();
         }
-        let [columns, rows] = plate.facets;
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
         }
-        let cells = self.cells();
+        let [cells, _] = self.cells();
         if !columns.is_multiple_of(cells) || !rows.is_multiple_of(cells) {
             let nearest = |n: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
             return Err(RecipeError::Indivisible {
@@ -64,7 +66,12 @@ impl Recipe {
         if pitch.max_element() > 20.0 * pitch.min_element() {
             return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
         }
-        Ok(())
+        // Rounded up, so that what the message names will do.
+        let least = (1e3 * least_diameter(plate.size[0] * plate.size[1])).ceil() / 1e3;
+        match self.design.cutter.filter(|cutter| cutter.diameter < least) {
+            Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter, least }),
+            None => Ok(()),
+        }
     }
 
     fn check_continuous(&self) -> Result<(), RecipeError> {
@@ -76,9 +83,10 @@ impl Recipe {
         if cell.max_element() > 4.0 * cell.min_element() {
             return Err(RecipeError::LongCells { across: cell.x, up: cell.y });
         }
-        let triangles = 2.0 * ((grid * self.cells()) as f64).powi(2);
-        if triangles > self.plate.max_triangles as f64 {
-            let most = (self.plate.max_triangles as f64 / 2.0).sqrt() / self.cells() as f64;
+        let cells: f64 = sculpting.cells.iter().map(|n| *n as f64).product();
+        let triangles = 2.0 * (grid as f64).powi(2) * cells;
+        if triangles > self.most_triangles() as f64 {
+            let most = (self.most_triangles() as f64 / (2.0 * cells)).sqrt();
             return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
         }
         if let Some(cutter) = self.design.cutter.filter(|c| c.diameter > cell.min_element()) {
@@ -114,6 +122,16 @@ pub enum RecipeError {
         low: f64,
         /// Most possible.
         high: f64,
+    },
+    /// A setting of one kind of relief beside one of the other.
+    #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
+    OtherKind {
+        /// Name of the setting without meaning, as in the flag.
+        setting: &'static str,
+        /// Name of the setting that decided for the other kind.
+        decisive: &'static str,
+        /// The kind of the relief.
+        kind: SurfaceKind,
     },
     /// Facets do not divide into cells.
     #[error(
@@ -154,7 +172,9 @@ pub enum RecipeError {
         grid: usize,
     },
     /// Cells four times as long as wide.
-    #[error("cells would be {across:.3} mm by {up:.3} mm: choose a --size whose sides differ by less than four times")]
+    #[error(
+        "cells would be {across:.3} mm by {up:.3} mm: leave out --cells, choose a --size whose sides differ by less than four times, or take flat facets (--facets)"
+    )]
     LongCells {
         /// Cell size along x, mm.
         across: f64,
@@ -162,9 +182,7 @@ pub enum RecipeError {
         up: f64,
     },
     /// Over the budget.
-    #[error(
-        "the grid needs {triangles:.0} triangles, over the budget: lower --grid to {most}, or raise --max-triangles"
-    )]
+    #[error("the grid needs {triangles:.0} triangles, over the budget: {}, or raise --max-triangles", fewer(*most))]
     TooManyTriangles {
         /// Triangles on the plate.
         triangles: f64,
@@ -179,6 +197,16 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
+    /// A ball too small to follow over a plate of facets.
+    #[error(
+        "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
+    )]
+    CutterTooFine {
+        /// Diameter of the ball, mm.
+        diameter: f64,
+        /// The smallest that can be, mm.
+        least: f64,
+    },
     /// Polish that leaves nothing.
     #[error(
         "a levelling of {levelling} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --levelling or fewer --cells"
@@ -191,16 +219,28 @@ pub enum RecipeError {
     },
 }
 
+fn fewer(most: usize) -> String {
+    if most < LEAST_GRID { "take fewer --cells".into() } else { format!("lower --grid to {most}") }
+}
+
+fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
+    match kind {
+        SurfaceKind::Flat => format!("a continuous relief, and --{decisive} makes this plate one of flat facets"),
+        SurfaceKind::Continuous => format!("flat facets, and --{decisive} makes this plate a continuous relief"),
+    }
+}
+
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. })
+        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::facets::arrange::anneal::Annealing;
     use crate::recipe::Cutter;
 
     #[test]
@@ -231,15 +271,30 @@ mod tests {
         assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN)), "half-field");
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
-        assert_eq!(named(refused(|r| r.plate.facets[0] = 0)), "facets");
+        assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");
         assert_eq!(named(refused(|r| r.plate.cells = Some(0))), "cells");
         assert_eq!(named(refused(|r| r.design.seed = u64::MAX)), "seed");
-        assert_eq!(named(refused(|r| r.design.annealing.valleys = f64::NAN)), "annealing.valleys");
-        assert_eq!(named(refused(|r| r.design.annealing.starts = 0)), "annealing.starts");
-        let error = refused(|r| r.plate.cells = Some(4));
+        assert_eq!(
+            named(refused(|r| r.design.annealing = Some(Annealing { valleys: f64::NAN, ..Annealing::default() }))),
+            "annealing.valleys"
+        );
+        assert_eq!(
+            named(refused(|r| r.design.annealing = Some(Annealing { starts: 0, ..Annealing::default() }))),
+            "annealing.starts"
+        );
+        let flat = |change: fn(&mut Recipe)| {
+            let mut recipe = Recipe::default();
+            recipe.plate.surface = Some(SurfaceKind::Flat);
+            assert_eq!(recipe.check(), Ok(()));
+            change(&mut recipe);
+            recipe.check().unwrap_err()
+        };
+        let error = flat(|r| r.plate.cells = Some(4));
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
-        assert!(refused(|r| r.plate.facets = [3000, 3000]).is_impossible());
-        assert!(refused(|r| r.plate.facets = [2, 300]).is_impossible());
+        assert!(flat(|r| r.plate.facets = Some([3000, 3000])).is_impossible());
+        assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
+        let error = flat(|r| r.design.cutter = Some(Cutter { diameter: 0.07 }));
+        assert!(error.to_string().contains("0.075 mm or more"), "{error}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
         assert_eq!(named(refused(|r| r.design.levelling = f64::NAN)), "levelling");
@@ -247,7 +302,7 @@ mod tests {
         assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter { diameter: f64::NAN }))), "for-cutter");
         let continuous = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
-            recipe.plate.surface = SurfaceKind::Continuous;
+            recipe.plate.surface = Some(SurfaceKind::Continuous);
             assert_eq!(recipe.check(), Ok(()));
             change(&mut recipe);
             recipe.check().unwrap_err()
@@ -255,7 +310,10 @@ mod tests {
         assert_eq!(continuous(|r| r.plate.grid = Some(255)), RecipeError::OddGrid { grid: 255 });
         let error = continuous(|r| r.plate.grid = Some(1024));
         assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
-        assert!(continuous(|r| r.plate.size = [30.0, 2.0]).is_impossible());
+        let error = continuous(|r| (r.plate.size, r.plate.cells) = ([30.0, 2.0], Some(3)));
+        assert!(matches!(error, RecipeError::LongCells { .. }));
+        let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
+        assert!(many.contains("fewer --cells"), "{many}");
         assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
         assert!(continuous(|r| r.design.levelling = 2.5).is_impossible());
     }

@@ -4,7 +4,11 @@ mod check;
 
 mod cutter;
 
+mod kind;
+
 pub mod run;
+
+pub mod compare;
 
 pub mod report;
 
@@ -13,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use check::RecipeError;
 pub use cutter::{Cutter, CutterError};
+pub use kind::SurfaceKind;
 
 use crate::brdf::material::{Material, Substance};
 use crate::brdf::microfacet::Lobe;
@@ -113,9 +118,9 @@ pub struct PlateSettings {
     /// Optical area along x and y, mm.
     #[serde(deserialize_with = "pair")]
     pub size: [f64; 2],
-    /// Facets along x and y, on the whole plate.
-    #[serde(deserialize_with = "pair")]
-    pub facets: [usize; 2],
+    /// Facets along x and y, on the whole plate; without it 30 each way.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_pair")]
+    pub facets: Option<[usize; 2]>,
     /// The whole highlight is repeated in this many cells along each side; without it, as suits the kind of relief.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cells: Option<usize>,
@@ -126,54 +131,48 @@ pub struct PlateSettings {
     /// Scatter of the polished base metal, degrees: standard deviation, along each axis, of what it adds to the
     /// direction of light mirrored at normal incidence. 0 is a perfect mirror.
     pub lobe: f64,
-    /// Kind of relief.
-    pub surface: SurfaceKind,
+    /// Kind of relief; without it, flat if a setting asks for facets, else continuous.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub surface: Option<SurfaceKind>,
     /// Nodes along each side of a cell of a continuous relief; without it, as suits picture, cutter and file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<usize>,
-    /// Triangles of a continuous relief at the most, on the whole plate.
-    pub max_triangles: usize,
+    /// Triangles of a continuous relief at the most, on the whole plate; without it 3 million.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_triangles: Option<usize>,
 }
 
 impl Default for PlateSettings {
     fn default() -> Self {
         Self {
             size: [30.0, 30.0],
-            facets: [30, 30],
+            facets: None,
             cells: None,
             thickness: 5.0,
             border: 0.0,
             lobe: 0.0,
-            surface: SurfaceKind::Flat,
+            surface: None,
             grid: None,
-            max_triangles: 3_000_000,
+            max_triangles: None,
         }
     }
 }
 
-/// Kinds of relief.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SurfaceKind {
-    /// Planar facets, as in the 2009 paper.
-    #[default]
-    Flat,
-    /// One sheet without steps, periodic in its cells.
-    Continuous,
-}
-
-/// How the facets come about.
+/// How the relief comes about.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct DesignSettings {
-    /// How facets are drawn from the distribution.
-    pub sample: Sampling,
-    /// Which facet goes where.
-    pub arrange: Arrangement,
+    /// How facets are drawn from the distribution; without it in centroidal cells.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sample: Option<Sampling>,
+    /// Which facet goes where; without it by transport.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arrange: Option<Arrangement>,
     /// How heights follow from slopes; without it, as suits the arrangement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<Heights>,
-    /// The cutter that a continuous relief is for; without it, its valleys are as sharp as its triangles.
+    /// The cutter that the plate is proved for, and a continuous relief shaped for; without it, the valleys of one are as
+    /// sharp as its triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutter: Option<Cutter>,
     /// Polish or paint after the cutter, which smooths the heights of a continuous relief by a Gaussian of this standard
@@ -188,23 +187,24 @@ pub struct DesignSettings {
     pub seed: u64,
     /// The slope distribution.
     pub distribution: DistributionSettings,
-    /// The annealing, where it is used.
-    pub annealing: Annealing,
+    /// The annealing of facets, where it is not the usual one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub annealing: Option<Annealing>,
 }
 
 impl Default for DesignSettings {
     fn default() -> Self {
         Self {
             seed: 1,
-            sample: Sampling::default(),
-            arrange: Arrangement::default(),
+            sample: None,
+            arrange: None,
             heights: None,
             cutter: None,
             levelling: 0.0,
             min_feature: 0.0,
             max_depth: None,
             distribution: DistributionSettings::default(),
-            annealing: Annealing::default(),
+            annealing: None,
         }
     }
 }
@@ -259,38 +259,70 @@ impl Recipe {
     /// Every choice as in the 2009 paper.
     pub fn weyrich2009() -> Self {
         let mut recipe = Self::default();
-        recipe.design.arrange = Arrangement::Anneal;
+        recipe.design.arrange = Some(Arrangement::Anneal);
         // A valley a little dearer than in our reading of the printed weights, and the best of three runs: measured on
         // two spirals and six seeds, A_v falls to 0.39 to 0.62 of random order and V to 0.39 to 0.47 (paper: 0.55, 0.46).
-        recipe.design.annealing = Annealing { energy: Energy::Weyrich2009, swaps: 7_000_000, starts: 3, valleys: 1.15 };
+        let annealing = Annealing { energy: Energy::Weyrich2009, swaps: 7_000_000, starts: 3, valleys: 1.15 };
+        recipe.design.annealing = Some(annealing);
         recipe.design.heights = Some(Heights::Weyrich2009);
         recipe.design.distribution = DistributionSettings { slope_cap: 65.0, level: true };
         recipe
     }
 
+    /// Facets along x and y: as asked, or 30 each way.
+    pub fn facets(&self) -> [usize; 2] {
+        self.plate.facets.unwrap_or([30, 30])
+    }
+
+    /// How facets are drawn.
+    pub fn sampling(&self) -> Sampling {
+        self.design.sample.unwrap_or_default()
+    }
+
+    /// Which facet goes where.
+    pub fn arrangement(&self) -> Arrangement {
+        self.design.arrange.unwrap_or_default()
+    }
+
+    /// How facets are annealed, where they are.
+    pub fn annealing(&self) -> Annealing {
+        self.design.annealing.unwrap_or_default()
+    }
+
+    /// Triangles of a continuous relief at the most.
+    pub fn most_triangles(&self) -> usize {
+        self.plate.max_triangles.unwrap_or(3_000_000)
+    }
+
     /// How heights are found: as asked, or cyclic where the arrangement is cyclic.
     pub fn heights(&self) -> Heights {
-        self.design.heights.unwrap_or(match self.design.arrange {
+        self.design.heights.unwrap_or(match self.arrangement() {
             Arrangement::Anneal => Heights::Cyclic,
             Arrangement::Transport | Arrangement::Random => Heights::Free,
         })
     }
 
-    /// Cells along each side: as asked; or one dome of facets, and three cells of a continuous relief.
-    pub fn cells(&self) -> usize {
-        self.plate.cells.unwrap_or(match self.plate.surface {
-            SurfaceKind::Flat => 1,
-            SurfaceKind::Continuous => 3,
-        })
+    /// Cells along x and y: as asked; else one dome of facets, and about nine cells of a continuous relief, as square as
+    /// the plate lets them be.
+    pub fn cells(&self) -> [usize; 2] {
+        let usual = || match self.surface() {
+            SurfaceKind::Flat => [1, 1],
+            SurfaceKind::Continuous => {
+                let [x, y] = self.plate.size;
+                let side = (x * y / 9.0).sqrt().min(x).min(y);
+                [x, y].map(|length| (length / side).round() as usize)
+            }
+        };
+        self.plate.cells.map_or_else(usual, |cells| [cells; 2])
     }
 
     /// What a continuous relief of this recipe shall be.
     pub fn sculpting(&self) -> Sculpting {
-        let PlateSettings { size, grid, max_triangles, .. } = self.plate;
-        let cells = [self.cells(); 2];
-        let cell = glam::DVec2::from(size) / self.cells() as f64;
+        let PlateSettings { size, grid, .. } = self.plate;
+        let cells = self.cells();
+        let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
         let cutter = self.design.cutter.map(Cutter::radius);
-        let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, max_triangles));
+        let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, self.most_triangles()));
         let DesignSettings { levelling, min_feature, max_depth, seed, .. } = self.design;
         Sculpting { cell, cells, grid, cutter, levelling, min_feature, max_depth, seed }
     }
@@ -326,7 +358,7 @@ impl Recipe {
 
     /// Size of a facet, mm.
     pub fn pitch(&self) -> glam::DVec2 {
-        let PlateSettings { size, facets, .. } = self.plate;
+        let (size, facets) = (self.plate.size, self.facets());
         glam::DVec2::new(size[0] / facets[0] as f64, size[1] / facets[1] as f64)
     }
 
@@ -346,6 +378,10 @@ impl Recipe {
 fn pair<'de, T: Deserialize<'de>, D: Deserializer<'de>>(toml: D) -> Result<[T; 2], D::Error> {
     let values = Vec::<T>::deserialize(toml)?;
     values.try_into().map_err(|v: Vec<T>| D::Error::invalid_length(v.len(), &"two numbers, along x and y"))
+}
+
+fn some_pair<'de, T: Deserialize<'de>, D: Deserializer<'de>>(toml: D) -> Result<Option<[T; 2]>, D::Error> {
+    pair(toml).map(Some)
 }
 
 fn line_of(text: &str, error: &toml::de::Error) -> usize {

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use serde_json::{Map, Value, json};
 
-use super::Recipe;
+use super::compare::Comparison;
 use super::run::{Design, Proof};
+use super::{Recipe, SurfaceKind};
 use crate::distribution::Distribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
@@ -16,8 +17,15 @@ use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::Misplaced;
 
-/// Everything that is known of a design, as the object that `report.json` holds. `proof` is absent if nothing was traced.
-pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option<&Proof>) -> Value {
+/// Everything that is known of a design, as the object that `report.json` holds. `proof` is absent if nothing was traced,
+/// `comparison` if there was nothing to compare; a design of facets has one if a relief that was made first lost against it.
+pub fn report(
+    recipe: &Recipe,
+    picture: &Picture,
+    design: &Design,
+    proof: Option<&Proof>,
+    comparison: Option<&Comparison>,
+) -> Value {
     let Design { distribution, relief, mesh, .. } = design;
     let steps = design.facets.as_ref().map(|facets| facets.steps);
     let (low, high) = relief.height_range();
@@ -48,6 +56,10 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
             "sharpening": design.sharpening.map(sharpening),
         },
         "design": {
+            "surface": match comparison {
+                Some(_) if design.sculpture.is_none() => "flat: facets are better here than the continuous relief was".into(),
+                _ => recipe.why_this_surface(),
+            },
             "pitch_mm": [pitch.x, pitch.y],
             "relief_height_mm": high - low,
             "mean_slope": [mean.p, mean.q],
@@ -95,7 +107,17 @@ pub fn report(recipe: &Recipe, picture: &Picture, design: &Design, proof: Option
             report["as_milled"]["left_by_cutter_um"] = json!(1000.0 * milled.left);
         }
     }
-    report["advice"] = json!(advice(recipe, design, proof.map(|p| &p.verdict)));
+    if let Some(Comparison { facets, flat, continuous, milled }) = comparison {
+        report["beside_facets"] = json!({
+            "facets": facets,
+            "as_milled": milled,
+            "tv_incident_1deg": { "flat": flat.misplaced, "continuous": continuous.misplaced },
+            "ssim_1deg": { "flat": flat.ssim, "continuous": continuous.ssim },
+        });
+    }
+    let mut advice = advice(recipe, design, proof.map(|p| &p.verdict));
+    advice.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, c)));
+    report["advice"] = json!(advice);
     report
 }
 
@@ -149,6 +171,30 @@ fn brightest_vs_white_paper(recipe: &Recipe, distribution: &Distribution) -> f64
     ratios.fold(0.0, f64::max)
 }
 
+/// That flat facets are better than a continuous relief, and what follows.
+fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &Comparison) -> String {
+    let Comparison { facets: [columns, rows], flat, continuous, milled } = comparison;
+    let figures = format!(
+        "{columns}x{rows} of them misplace {:.2}% of the light at a blur of 1°{}, the continuous relief {:.2}%",
+        100.0 * flat.misplaced,
+        if *milled { " once cut" } else { "" },
+        100.0 * continuous.misplaced
+    );
+    let Some(sculpture) = &design.sculpture else {
+        return format!("Flat facets were made, since {figures}: --surface continuous makes the relief all the same.");
+    };
+    let remedies = [
+        (sculpture.stopped_early().is_some(), "let the design come to its end"),
+        (recipe.design.max_depth.is_some(), "raise --max-depth"),
+        (recipe.design.min_feature > 0.0, "lower --min-feature"),
+        (recipe.plate.grid.is_some(), "raise --grid"),
+        (recipe.plate.max_triangles.is_some(), "raise --max-triangles"),
+        (recipe.design.cutter.is_some(), "take a smaller cutter"),
+    ];
+    let remedies: String = remedies.iter().filter(|(helps, _)| *helps).map(|(_, what)| format!("{what}, ")).collect();
+    format!("Flat facets would do better, since {figures}: {remedies}or take --surface flat.")
+}
+
 /// What a person should know when something is off; empty when nothing is.
 pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Vec<String> {
     let mut advice = Vec::new();
@@ -178,6 +224,9 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
             ));
         }
     }
+    if recipe.surface() == SurfaceKind::Continuous && recipe.design.cutter.is_none() {
+        say("No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill.".into());
+    }
     if let Some(verdict) = verdict {
         let tv = verdict.main().tv.value;
         let blurred = design.sharpening.map_or(0.0, |worth| worth.after);
@@ -186,7 +235,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
                 "Lamp and metal blur the picture by more than light can be sharpened (TV {blurred:.3} at {SCORED_AT}°): a smaller lamp, better polish, or a picture of coarser detail or larger --half-field."
             ));
         } else if tv > 0.05 && design.sculpture.is_none() {
-            let [columns, rows] = recipe.plate.facets;
+            let [columns, rows] = recipe.facets();
             say(format!(
                 "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",
                 2 * columns,

@@ -21,6 +21,7 @@ use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::design::{Sculpture, least_stray, sculpt};
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
 use crate::sculpt::milled::{Tool, levelled};
+use crate::sculpt::milled_plate::milled_plate;
 use crate::sculpt::waypoint::Waypoint;
 use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
@@ -82,7 +83,7 @@ pub struct Proof {
     pub verdict: Verdict,
     /// What is said of a continuous relief besides.
     pub sheet: Option<SheetProof>,
-    /// The same of the plate as its cutter leaves it, if it was designed for one.
+    /// The same of the plate as its cutter leaves it, if one is named.
     pub milled: Option<MilledProof>,
 }
 
@@ -102,6 +103,8 @@ pub struct SheetProof {
 pub struct MilledProof {
     /// The most that the cutter stays above the written surface, mm.
     pub left: f64,
+    /// What the light did.
+    pub measurement: Measurement,
     /// The figures.
     pub verdict: Verdict,
 }
@@ -126,20 +129,13 @@ pub fn design_by_way(
     let mut clock = Clock::start();
     progress.stage("reading slopes off the highlight");
     let setup = recipe.setup();
-    let mut highlight =
-        Highlight::new(&shrunk(light), recipe.highlight.quantity, &setup).ok_or(DesignError::AllBelow)?;
-    if highlight.below_plate > MOST_BELOW {
-        return Err(DesignError::MostlyBelow { share: highlight.below_plate });
-    }
-    let sharpening = recipe.blur(&setup).map(|blur| {
-        progress.stage("sharpening what lamp and metal will blur");
-        let sharpening = sharpen(&mut highlight.flux, &blur, progress);
+    let (highlight, sharpening) = wanted(recipe, light, &setup, progress)?;
+    if sharpening.is_some() {
         clock.lap("sharpening");
-        sharpening
-    });
+    }
     let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
     clock.lap("distribution");
-    let plate = match recipe.plate.surface {
+    let plate = match recipe.surface() {
         SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
         SurfaceKind::Continuous => {
             let passed = &mut |at: &Waypoint| passed(&distribution, at);
@@ -159,6 +155,37 @@ pub fn design_by_way(
         mesh,
         seconds,
     })
+}
+
+/// Light that no relief of `recipe` keeps from straying once its cutter has cut it; `None` without a cutter, and of facets.
+pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavoidable>, DesignError> {
+    recipe.check()?;
+    if recipe.surface() == SurfaceKind::Flat || recipe.design.cutter.is_none() {
+        return Ok(None);
+    }
+    let setup = recipe.setup();
+    let (highlight, _) = wanted(recipe, light, &setup, &Progress::silent())?;
+    let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    Ok(least_stray(&distribution, &recipe.sculpting()))
+}
+
+/// The light that is to be sent, sharpened if lamp or metal blur it, if most of it lies above the plate.
+fn wanted(
+    recipe: &Recipe,
+    light: &Raster,
+    setup: &Setup,
+    progress: &Progress,
+) -> Result<(Highlight, Option<Sharpening>), DesignError> {
+    let mut highlight =
+        Highlight::new(&shrunk(light), recipe.highlight.quantity, setup).ok_or(DesignError::AllBelow)?;
+    if highlight.below_plate > MOST_BELOW {
+        return Err(DesignError::MostlyBelow { share: highlight.below_plate });
+    }
+    let sharpening = recipe.blur(setup).map(|blur| {
+        progress.stage("sharpening what lamp and metal will blur");
+        sharpen(&mut highlight.flux, &blur, progress)
+    });
+    Ok((highlight, sharpening))
 }
 
 /// What comes of either kind of relief.
@@ -218,10 +245,10 @@ fn faceted(
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
-    let [columns, rows] = recipe.plate.facets;
+    let [columns, rows] = recipe.facets();
     let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
     progress.stage("drawing facets");
-    let points = sample(distribution, columns * rows, recipe.design.sample, seed, progress);
+    let points = sample(distribution, columns * rows, recipe.sampling(), seed, progress);
     let slopes = points.iter().map(|uv| distribution.setup.slope_at(*uv).unwrap_or(Slope::FLAT)).collect();
     clock.lap("sampling");
 
@@ -268,7 +295,14 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
     let made = design.sculpture.as_ref().map(|sculpture| Made::of(recipe, sculpture));
     let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
-    let milled = prove_milled(recipe, made.as_ref(), setup, &target, &measuring, progress)?;
+    let milled = match prove_milled(recipe, design, made.as_ref(), mirrored)? {
+        None => None,
+        Some((measurement, left)) => {
+            let measurement = measurement.ok_or_else(unlit)?;
+            let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
+            Some(MilledProof { left, measurement, verdict })
+        }
+    };
     Ok(Proof { target, measurement, verdict, sheet, milled })
 }
 
@@ -306,37 +340,40 @@ impl Made {
     }
 }
 
+/// Light sent over the plate as its cutter leaves it, and the most that it leaves; `None` without a cutter or polish.
 fn prove_milled(
     recipe: &Recipe,
+    design: &Design,
     made: Option<&Made>,
-    setup: &Setup,
-    target: &Raster,
-    measuring: &Measuring,
-    progress: &Progress,
-) -> Result<Option<MilledProof>, DesignError> {
-    let is_made = recipe.design.cutter.is_some() || recipe.design.levelling > 0.0;
-    let Some(made) = made.filter(|_| is_made) else { return Ok(None) };
-    progress.stage("milling it, and tracing that");
-    let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
-    let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let metal = recipe.metal();
-    let measurement = surface.run(Mirrored { setup, metal: &metal, measuring, progress }).ok_or_else(unlit)?;
-    let verdict = Verdict::new(&measurement, target, setup.view(), progress).ok_or_else(unlit)?;
-    Ok(Some(MilledProof { left: made.left, verdict }))
+    mirrored: Mirrored,
+) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+    let cutter = recipe.design.cutter;
+    mirrored.progress.stage("milling it, and tracing that");
+    Ok(match (made, cutter) {
+        (Some(made), _) if cutter.is_some() || recipe.design.levelling > 0.0 => {
+            let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+            Some((surface.run(mirrored), made.left))
+        }
+        (None, Some(cutter)) => {
+            let milled = milled_plate(&design.relief, cutter.radius());
+            Some((mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left))
+        }
+        _ => None,
+    })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
-    let [columns, rows] = recipe.plate.facets;
+    let [columns, rows] = recipe.facets();
     let pitch = recipe.pitch();
-    in_cells(slopes, columns, rows, recipe.cells(), |slopes, columns, rows, cell| {
+    in_cells(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
         let seed = recipe.design.seed.wrapping_add(cell as u64);
-        if recipe.design.arrange == Arrangement::Transport {
+        if recipe.arrangement() == Arrangement::Transport {
             return transport::dome(slopes, columns, rows, pitch, progress);
         }
         let mut grid = SlopeGrid { columns, rows, slopes };
         random_order(&mut grid, seed);
-        if recipe.design.arrange == Arrangement::Anneal {
-            anneal_best(&mut grid, &recipe.design.annealing, seed, progress);
+        if recipe.arrangement() == Arrangement::Anneal {
+            anneal_best(&mut grid, &recipe.annealing(), seed, progress);
         }
         grid
     })
@@ -398,7 +435,7 @@ pub enum DesignError {
     #[error(transparent)]
     Mesh(#[from] MeshSurfaceError),
     /// The highlight has no extent on the slope plane.
-    #[error("the highlight cannot be laid out as slopes around its mean: raise --half-field")]
+    #[error("the highlight cannot be laid out as slopes around its mean: raise --half-field, or take --surface flat")]
     TooNarrow,
     /// The relief sends nothing into the image.
     #[error("no light reaches the highlight image: the relief shades itself completely")]

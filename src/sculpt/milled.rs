@@ -22,7 +22,7 @@ use super::waves::Waves;
 const MOST: usize = 2000;
 
 /// Places of the tool across a cutter, unless a cell would have more than [`MOST`].
-const PLACES_ACROSS_CUTTER: f64 = 50.0;
+pub(super) const PLACES_ACROSS_CUTTER: f64 = 50.0;
 
 /// A ball cutter over a grid of places.
 #[derive(Clone, Debug)]
@@ -134,8 +134,9 @@ pub fn levelled(mut relief: PeriodicRelief, sigma: f64) -> PeriodicRelief {
     relief
 }
 
-/// out(x) = max over the profile of z(x + aside) + depth for sign 1, min of z(x - aside) - depth for sign -1.
-fn swept_along_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
+/// out(x) = max over the profile of z(x + aside) + depth for sign 1, min of z(x - aside) - depth for sign -1, along rows of
+/// `n` that continue into themselves.
+pub(super) fn swept_along_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
     let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
     let mut out = vec![0.0f32; z.len()];
     out.par_chunks_mut(n).zip(z.par_chunks(n)).with_min_len(16).for_each_init(Vec::new, |around, (out, row)| {
@@ -147,10 +148,11 @@ fn swept_along_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) ->
 }
 
 /// The same along columns.
-fn swept_across_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
+pub(super) fn swept_across_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
+    let rows = (z.len() / n) as isize;
     let mut out = vec![0.0f32; z.len()];
     out.par_chunks_mut(n).enumerate().with_min_len(16).for_each(|(j, out)| {
-        sweep(out, profile, sign, |aside| &z[(j as isize + aside).rem_euclid(n as isize) as usize * n..][..n]);
+        sweep(out, profile, sign, |aside| &z[(j as isize + aside).rem_euclid(rows) as usize * n..][..n]);
     });
     out
 }

@@ -20,6 +20,8 @@ pub mod resample;
 
 pub mod milled;
 
+pub mod milled_plate;
+
 pub mod matching;
 
 pub mod folds;

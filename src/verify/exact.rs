@@ -46,60 +46,95 @@ fn over_facets<S: Surface, C: Screen>(
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let &Experiment { surface, setup, ref material, .. } = experiment;
-    let light = setup.light();
+    let &Experiment { surface, ref material, .. } = experiment;
+    let light = experiment.setup.light();
     let beams = Beams::new(surface, light);
     let step = beams.whole() / measuring.rays as f64;
+    let known = closed_form(experiment, screen, &beams, progress);
+    let samples = beams.turn(beams.whole(), step, measuring.seed);
     (0..PARTS)
         .into_par_iter()
         .map(|part| {
             let mut follower = Follower::new(surface, material, measuring.max_bounces);
             let mut pixels = Pixels::new(screen);
             let mut tally = Tally::empty(screen.size());
+            tally.add(&known, 1.0 / PARTS as f64);
             // A smooth material looks at no random number.
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
-            for k in 0..surface.facets() {
-                let flux = beams.of(k);
-                if flux <= 0.0 {
+            for sample in (part as u64..samples).step_by(PARTS) {
+                if (sample as usize / PARTS).is_multiple_of(4096) {
+                    if progress.is_cancelled() {
+                        break;
+                    }
+                    if part == 0 {
+                        progress.fraction(sample as f64 / samples as f64);
+                    }
+                }
+                let k = beams.facet_of(sample, step, measuring.seed);
+                let Some((place, end)) = first_bounce(experiment, k) else { continue };
+                // Where each facet has its sample, all samples together stand for just its flux.
+                let (flux, of_facet) = (beams.of(k), beams.samples(k, step, measuring.seed));
+                let weight = if flux >= step { flux / of_facet.len() as f64 } else { step };
+                let (shift, m) =
+                    (hash(measuring.seed, k as u64), sample - beams.turn(beams.before(k), step, measuring.seed));
+                let pixel = pixels.of(end.direction);
+                tally.rays += 1;
+                let hit = Hit { point: surface.point_on(k, scattered(shift, m)), place };
+                if surface.next(&hit, light).is_some() {
+                    tally.incident -= weight;
+                    tally.count(&end, -weight, pixel);
                     continue;
                 }
-                if k % 65536 == 0 && progress.is_cancelled() {
-                    break;
-                }
-                let Some((place, _)) = surface.facet(k) else { continue };
-                let normal = surface.normal(place);
-                let direction = mirror(light, normal);
-                let share = material.smooth_share(DVec3::new(0.0, 0.0, light.dot(normal)));
-                let fate = if direction.z > 0.0 { Fate::Up } else { Fate::Down };
-                let plain = End { fate, weight: share, bounces: 1, point: DVec3::ZERO, direction };
-                let pixel = pixels.of(direction);
-                tally.incident += flux / PARTS as f64;
-                tally.count(&plain, flux / PARTS as f64, pixel);
-                // Where each facet has its sample, all samples together stand for just its flux.
-                let samples = beams.samples(k, step, measuring.seed);
-                let weight = if flux >= step { flux / samples.len() as f64 } else { step };
-                let first = PARTS + part - beams.turn(beams.before(k), step, measuring.seed) as usize % PARTS;
-                for (shift, m) in samples.skip(first % PARTS).step_by(PARTS) {
-                    tally.rays += 1;
-                    let hit = Hit { point: surface.point_on(k, scattered(shift, m)), place };
-                    if surface.next(&hit, light).is_some() {
-                        tally.incident -= weight;
-                        tally.count(&plain, -weight, pixel);
-                        continue;
-                    }
-                    let end = follower.follow(hit, -light, &mut idle);
-                    if end.bounces != 1 || end.fate != fate {
-                        tally.count(&plain, -weight, pixel);
-                        tally.count(&end, weight, pixels.of(end.direction));
-                    }
-                }
-                if part == 0 && k % 4096 == 0 {
-                    progress.fraction(k as f64 / surface.facets() as f64);
+                let found = follower.follow(hit, -light, &mut idle);
+                if found.bounces != 1 || found.fate != end.fate {
+                    tally.count(&end, -weight, pixel);
+                    tally.count(&found, weight, pixels.of(found.direction));
                 }
             }
             tally
         })
         .collect()
+}
+
+/// Where the light of facet `k` would go if nothing stood in its way; the facet's name with it.
+fn first_bounce<S: Surface>(experiment: &Experiment<'_, S>, k: usize) -> Option<(S::Place, End)> {
+    let light = experiment.setup.light();
+    let (place, _) = experiment.surface.facet(k)?;
+    let normal = experiment.surface.normal(place);
+    let direction = mirror(light, normal);
+    let weight = experiment.material.smooth_share(DVec3::new(0.0, 0.0, light.dot(normal)));
+    let fate = if direction.z > 0.0 { Fate::Up } else { Fate::Down };
+    Some((place, End { fate, weight, bounces: 1, point: DVec3::ZERO, direction }))
+}
+
+/// The light of all facets if nothing stood in its way, in mm² of horizontal area.
+fn closed_form<S: Surface, C: Screen>(
+    experiment: &Experiment<'_, S>,
+    screen: &C,
+    beams: &Beams,
+    progress: &Progress,
+) -> Tally {
+    let facets = experiment.surface.facets();
+    // A fixed number of stretches, so that sums do not depend on threads.
+    let stretch = |part: usize| {
+        let mut pixels = Pixels::new(screen);
+        let mut tally = Tally::empty(screen.size());
+        for k in part * facets / PARTS..(part + 1) * facets / PARTS {
+            if k % 65536 == 0 && progress.is_cancelled() {
+                break;
+            }
+            let flux = beams.of(k);
+            if let Some((_, end)) = first_bounce(experiment, k).filter(|_| flux > 0.0) {
+                tally.incident += flux;
+                tally.count(&end, flux, pixels.of(end.direction));
+            }
+        }
+        tally
+    };
+    let stretches: Vec<Tally> = (0..PARTS).into_par_iter().map(stretch).collect();
+    let mut all = Tally::empty(screen.size());
+    stretches.iter().for_each(|tally| all.add(tally, 1.0));
+    all
 }
 
 /// What each facet takes of the beam, as horizontal area, mm².
@@ -138,6 +173,11 @@ impl Beams {
         let count = self.turn(before + self.of(k), step, seed) - self.turn(before, step, seed);
         let shift = hash(seed, k as u64);
         (0..count as usize).map(move |m| (shift, m as u64))
+    }
+
+    /// The facet on which the sample lies that comes as number `sample`.
+    fn facet_of(&self, sample: u64, step: f64, seed: u64) -> usize {
+        self.cumulative.partition_point(|flux| self.turn(*flux, step, seed) <= sample)
     }
 
     /// Samples whose turn comes before `flux` of the beam is gone through.

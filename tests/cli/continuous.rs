@@ -16,7 +16,7 @@ fn a_continuous_plate_is_the_same_with_any_threads_and_tells_what_a_cutter_leave
         assert_done(&run_line(home.path(), &line));
     }
     let [one, two] = ["plate1", "plate2"].map(|name| home.path().join(name));
-    assert_eq!(names(&one), ALL_FILES);
+    assert_eq!(names(&one), [&ALL_FILES[..1], &["comparison_milled.png"], &ALL_FILES[1..]].concat());
     assert_same_plate(&one, &two, &[]);
     let report = json(one.join("report.json"));
     // Two triangles a square, and a base.
@@ -56,6 +56,10 @@ fn depth_and_levelling_are_obeyed_or_refused() {
     let shallow = run_line(home.path(), &format!("design ring.png -o shallow {SHEET} --json --max-depth {allowed}"));
     assert_done(&shallow);
     assert!(depth(&shallow) <= 1.02 * allowed, "{} {allowed}", depth(&shallow));
+    // A wide ball cannot follow so shallow a relief, and raises it.
+    let line = "design ring.png -o deep --grid 64 --cells 2 --size 20x20 --for-cutter ball:5 --max-depth 0.01";
+    assert_refused(&run_line(home.path(), line), 4, &["mm deep where 0.01 mm", "--max-depth", "--cells"]);
+    assert!(!home.path().join("deep").exists());
     let line = format!("design ring.png -o none {SHEET} --levelling 2.5");
     assert_refused(&run_line(home.path(), &line), 4, &["--levelling", "quarter"]);
     for flag in ["--levelling -1", "--max-depth 0", "--max-depth -3"] {

@@ -5,6 +5,8 @@ mod program;
 
 mod continuous;
 mod files;
+mod kinds;
+mod milled;
 mod names;
 mod stopping;
 mod telling;

@@ -162,5 +162,9 @@ fn what_cannot_be_resumed_is_refused_by_name() {
     }
     fs::write(&state, &bytes).unwrap();
     assert_done(&resumed(""));
-    assert_refused(&run_line(home.path(), "design ring.png -o flat --snapshots"), 2, &["--snapshots", "continuous"]);
+    assert_refused(
+        &run_line(home.path(), "design ring.png -o flat --surface flat --snapshots"),
+        2,
+        &["--snapshots", "continuous"],
+    );
 }

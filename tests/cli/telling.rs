@@ -18,7 +18,7 @@ fn json_is_the_report_and_errors_are_json_too() {
     assert_done(&done);
     assert_eq!(done.stdout, fs::read_to_string(home.path().join("proof/report.json")).unwrap());
     for (line, code) in [
-        ("design ring.png -o q --json --cells 7", 4),
+        ("design ring.png -o q --json --surface flat --cells 7", 4),
         ("design nothing.png -o q --json", 3),
         ("design ring.png -o plate --json", 5),
         ("design ring.png -o q --json --rays 1", 2),
@@ -49,6 +49,23 @@ fn a_dry_run_needs_no_folder_and_writes_nothing() {
     let ratio = about["stl_bytes_about"].as_f64().unwrap() / bytes;
     assert!((0.7..1.3).contains(&ratio), "{ratio}");
     assert_refused(&run_line(home.path(), "design nothing.png --dry-run"), 3, &["nothing.png"]);
+
+    // What a cutter cannot keep dark is known beforehand: least_stray of a design says the same.
+    image::GrayImage::from_fn(48, 48, |x, _| image::Luma([if (8..40).contains(&x) { 0 } else { 255 }]))
+        .save(home.path().join("bars.png"))
+        .unwrap();
+    let line = "design bars.png --grid 32 --for-cutter ball:2";
+    let told = run_line(home.path(), &format!("{line} --dry-run"));
+    assert_done(&told);
+    assert!(told.stdout.contains("straying"), "{}", told.stdout);
+    let about: Value =
+        serde_json::from_str(&run_line(home.path(), &format!("{line} --dry-run --json")).stdout).unwrap();
+    assert_done(&run_line(home.path(), &format!("{line} -o bars --no-verify")));
+    let made = json(home.path().join("bars/report.json"));
+    assert!(about["least_stray_share"].as_f64().unwrap() > 0.01, "{about}");
+    assert_eq!(about["least_stray_share"], made["design"]["continuous"]["least_stray"]["share"]);
+    let lost = run_line(home.path(), "design ring.png --for-cutter ball:1 --dry-run --half-field 80 --light 60,0");
+    assert_refused(&lost, 4, &["below the plate"]);
 }
 
 #[test]

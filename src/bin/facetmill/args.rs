@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
 use facetmill::picture::Encoding;
-use facetmill::recipe::{Cutter, Recipe};
+use facetmill::recipe::{Cutter, Recipe, SurfaceKind};
 
 use crate::measure::args::MeasureArgs;
 use crate::values::*;
@@ -29,15 +29,16 @@ pub enum Command {
     /// Design a plate whose reflection is the picture; write STL, pictures and a report
     ///
     /// The folder receives plate.stl (closed solid, mm), heightmap.png with heightmap.json, target.png, simulated.png,
-    /// comparison.png (look at this one first), relief.png, report.json, and recipe.toml: every setting, so that
+    /// comparison.png (look at this one first; comparison_milled.png with a cutter), relief.png, report.json, and recipe.toml: every setting, so that
     /// `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
     ///
     /// Ctrl-C while a continuous relief is sculpted finishes the best so far, proof and files included, once the first
     /// tries are done; a second one stops at once and leaves nothing.
     #[command(after_help = "\
 Examples:
-  facetmill design ring.png -o ring --half-field 20 --size 30x30 --facets 30x30
+  facetmill design ring.png -o ring --half-field 20 --size 30x30 --for-cutter ball:0.5
   facetmill design logo.png -o logo --projection screen --quantity flux --seen on-wall   a logo thrown on a wall
+  facetmill design ring.png -o facets --facets 30x30           900 flat mirrors instead of one sheet
   facetmill design ring.png --facets 200x200 --dry-run                                   how large, how long?")]
     #[command(allow_negative_numbers = true)]
     Design(Box<DesignArgs>),
@@ -90,10 +91,10 @@ pub struct DesignArgs {
     /// show finer detail, smaller ones need a smaller cutter.
     #[arg(long, value_name = "NxM", help_heading = "Plate", value_parser = counts, allow_hyphen_values = true)]
     facets: Option<[usize; 2]>,
-    /// Repeat the whole highlight in K x K cells  [default: 1; 3 with --surface continuous]
+    /// Repeat the whole highlight in K x K cells  [default: 3; 1 with flat facets]
     ///
     /// One cell is a single dome, which seen from near by lights up in one place only. 3 x 3 cells of 10 mm each hold
-    /// the whole highlight, so the plate looks the same all over. --facets must be divisible by K.
+    /// the whole highlight, so the plate looks the same all over. Numbers of facets must be divisible by K.
     #[arg(long, value_name = "K", help_heading = "Plate", value_parser = count)]
     cells: Option<usize>,
     /// Solid metal under the lowest point, mm  [default: 5]
@@ -102,7 +103,10 @@ pub struct DesignArgs {
     /// Flat rim around the optical area, mm  [default: 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     border: Option<f64>,
-    /// Kind of relief: planar facets, or one continuous sheet  [default: flat]
+    /// Kind of relief  [default: continuous; flat with --facets or another flag that only facets have]
+    ///
+    /// One sheet has no steps and puts ten times less light in the wrong place than 900 facets; its STL is large. Flags
+    /// that the kind does not have are refused.
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Plate")]
     surface: Option<SurfaceArg>,
     /// Nodes along each side of a cell of a continuous relief  [default: as suits cutter and file]
@@ -112,7 +116,10 @@ pub struct DesignArgs {
     #[arg(long, value_name = "N", help_heading = "Plate", value_parser = count)]
     max_triangles: Option<usize>,
 
-    /// Shape a continuous relief so that its light is right as this cutter leaves it: ball:DIAMETER in mm
+    /// Cutter whose work is proved too: ball:DIAMETER in mm; a continuous relief is shaped for it
+    ///
+    /// A ball leaves its radius in valleys and at the foot of walls. Facets stay as they are, and the report says what
+    /// becomes of their light; a continuous relief is shaped so that its light is right as the cutter leaves it.
     #[arg(long, value_name = "CUTTER", help_heading = "Design")]
     for_cutter: Option<Cutter>,
     /// Leave out details of a continuous relief narrower than this, mm  [default: 0]
@@ -143,7 +150,7 @@ pub struct DesignArgs {
     heights: Option<HeightsArg>,
     /// Set every choice to a published method's; flags beside it override it
     #[arg(long, value_enum, value_name = "NAME", help_heading = "Design", conflicts_with = "recipe")]
-    method: Option<MethodArg>,
+    pub method: Option<MethodArg>,
     /// Mount the plate tilted so that its mean slope is zero
     ///
     /// An off-centre highlight tilts the whole relief: a mean slope of 5° climbs 2.6 mm over 30 mm. Levelled, the plate
@@ -296,24 +303,29 @@ impl DesignArgs {
         self.optics.apply(recipe);
         let (plate, design) = (&mut recipe.plate, &mut recipe.design);
         set(&mut plate.size, self.size);
-        set(&mut plate.facets, self.facets);
+        plate.facets = self.facets.or(plate.facets);
         plate.cells = self.cells.or(plate.cells);
         plate.grid = self.grid.or(plate.grid);
-        set(&mut plate.max_triangles, self.max_triangles);
+        plate.max_triangles = self.max_triangles.or(plate.max_triangles);
         set(&mut plate.thickness, self.thickness);
         set(&mut plate.border, self.border);
-        set(&mut plate.surface, self.surface.map(Into::into));
+        plate.surface = self.surface().or(plate.surface);
         design.cutter = self.for_cutter.or(design.cutter);
         set(&mut design.levelling, self.levelling);
         set(&mut design.min_feature, self.min_feature);
         design.max_depth = self.max_depth.or(design.max_depth);
-        set(&mut design.sample, self.sample.map(Into::into));
-        set(&mut design.arrange, self.arrange.map(Into::into));
+        design.sample = self.sample.map(Into::into).or(design.sample);
+        design.arrange = self.arrange.map(Into::into).or(design.arrange);
         design.heights = self.heights.map(Into::into).or(design.heights);
         set(&mut design.distribution.level, self.level);
         set(&mut design.distribution.slope_cap, self.slope_cap);
         set(&mut design.seed, self.seed);
         self.running.apply(recipe);
+    }
+
+    /// The kind of relief, if the flag was given.
+    pub fn surface(&self) -> Option<SurfaceKind> {
+        self.surface.map(Into::into)
     }
 
     /// The recipe that the other flags are laid over, if it is not one from a file.

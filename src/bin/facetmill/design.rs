@@ -10,8 +10,9 @@ use facetmill::highlight::scored_target;
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress};
 use facetmill::raster::Raster;
+use facetmill::recipe::compare::{Comparison, beside_facets, of_facets};
 use facetmill::recipe::report::report;
-use facetmill::recipe::run::{Design, Proof, design_by_way, prove};
+use facetmill::recipe::run::{Design, Proof, design, design_by_way, prove, unavoidable_light};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::sculpt::design::Sculpture;
 use facetmill::sharpen::SCORED_AT;
@@ -39,6 +40,7 @@ const FILES: &[&str] = &[
     "simulated.png",
     "relief.png",
     "comparison.png",
+    "comparison_milled.png",
     "recipe.toml",
     "report.json",
 ];
@@ -48,8 +50,9 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     let (recipe, path) = recipe(args)?;
     let (to_json, quiet) = (args.running.json, args.running.quiet);
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
-        picture::read(&path, &recipe.reading())?;
-        return Ok(estimate::tell(&recipe, !args.no_verify, to_json, quiet)?);
+        let picture = picture::read(&path, &recipe.reading())?;
+        let stray = unavoidable_light(&recipe, &picture.light)?;
+        return Ok(estimate::tell(&recipe, stray, !args.no_verify, to_json, quiet)?);
     };
     // Before any work: a folder that cannot be written should not cost a minute.
     let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
@@ -70,15 +73,28 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
         true => None,
         false => Some(prove(&recipe, &picture.light, &made, &progress)?),
     };
+    let compare = |proof| beside_facets(&recipe, &picture.light, &made, proof, &progress);
+    let comparison = proof.as_ref().and_then(compare);
+    let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
+    let (recipe, made, proof) = if facets_win {
+        progress.stage("making flat facets, which are better here");
+        let recipe = of_facets(&recipe);
+        let made = design(&recipe, &picture.light, &progress)?;
+        let proof = prove(&recipe, &picture.light, &made, &progress)?;
+        (recipe, made, Some(proof))
+    } else {
+        (recipe, made, proof)
+    };
     progress.stage("writing files");
-    let report = report(&recipe, &picture, &made, proof.as_ref());
+    let report = report(&recipe, &picture, &made, proof.as_ref(), comparison.as_ref());
     write(&mut staged, &recipe, &picture, &made, proof.as_ref(), &report)?;
     staged.publish()?;
     stages.finish();
     if to_json {
         print_json(&report)?;
     } else if !quiet {
-        print_result(folder, &recipe, &picture, &made, proof.as_ref(), &report)?;
+        let proved = proof.as_ref().map(|proof| (proof, comparison.as_ref()));
+        print_result(folder, &recipe, &picture, &made, proved, &report)?;
     }
     Ok(())
 }
@@ -118,8 +134,17 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
     let from_file = args.recipe.as_deref().map(inputs::recipe).transpose()?;
     // As text: what is not a number does not equal itself.
     let fault = from_file.as_ref().and_then(|recipe| recipe.check().err()).map(|error| error.to_string());
-    let mut recipe = from_file.unwrap_or_else(|| args.base());
+    let mut recipe = match (from_file, args.surface()) {
+        // What a file says of facets is not meant for a sheet that a flag asks for, nor the other way round.
+        (Some(recipe), Some(kind)) => recipe.only_for(kind),
+        (Some(recipe), None) => recipe,
+        (None, _) => args.base(),
+    };
     args.apply(&mut recipe);
+    if args.method.is_some() && recipe.surface() == SurfaceKind::Continuous {
+        let what = "--method is for flat facets, and --surface makes this plate a continuous relief";
+        return Err(Failure::Usage(format!("{what}: leave out one of the two")));
+    }
     recipe.check().map_err(|error| {
         // Flags may mend a recipe; what they do not mend is the recipe's fault, and the file is to be named.
         let file = args.recipe.as_deref().filter(|_| fault.as_ref() == Some(&error.to_string()));
@@ -130,9 +155,11 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             (false, None) => Failure::Usage(format!("--{error}")),
         }
     })?;
-    if (args.snapshots || args.resume) && recipe.plate.surface == SurfaceKind::Flat {
+    if (args.snapshots || args.resume) && recipe.surface() == SurfaceKind::Flat {
         let flag = if args.resume { "--resume" } else { "--snapshots" };
-        return Err(Failure::Usage(format!("{flag} is for continuous reliefs: add --surface continuous, or leave it")));
+        return Err(Failure::Usage(format!(
+            "{flag} is for a continuous relief, and this plate is one of flat facets: leave it out, or take --surface continuous"
+        )));
     }
     let path = match (&args.picture, &recipe.picture, &args.recipe) {
         (Some(path), _, _) => path.clone(),
@@ -159,11 +186,12 @@ fn write(
     let map = height_map(&made.relief, HEIGHT_MAP_SIDE);
     write_png(staged, "heightmap.png", &map.image)?;
     staged.write_bytes("heightmap.json", format!("{:#}\n", json!(map.sidecar)).as_bytes())?;
-    write_png(staged, "relief.png", &relief_picture(&made.relief, RELIEF_PICTURE_SIDE))?;
+    let plan = relief_picture(&made.relief, &kind(recipe, made), RELIEF_PICTURE_SIDE);
+    write_png(staged, "relief.png", &plan)?;
     match proof {
         Some(proof) => {
             write_target(staged, &proof.target, recipe)?;
-            write_proof(staged, proof, recipe, setup.view(), plate_line(recipe, made))?;
+            write_proof(staged, proof, recipe, setup.view(), &plate_line(recipe, made))?;
         }
         None => {
             let target = scored_target(&picture.light, recipe.highlight.quantity, setup, 256);
@@ -192,7 +220,10 @@ fn plate_line(recipe: &Recipe, made: &Design) -> String {
 /// What the relief is made of.
 fn kind(recipe: &Recipe, made: &Design) -> String {
     match &made.sculpture {
-        None => format!("{} × {} facets", recipe.plate.facets[0], recipe.plate.facets[1]),
+        None => {
+            let [across, up] = recipe.facets();
+            format!("{across} × {up} facets")
+        }
         Some(sculpture) => {
             let [across, up] = sculpture.relief.cells;
             let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
@@ -206,7 +237,7 @@ fn print_result(
     recipe: &Recipe,
     picture: &Picture,
     made: &Design,
-    proof: Option<&Proof>,
+    proved: Option<(&Proof, Option<&Comparison>)>,
     report: &Value,
 ) -> Result<(), OutputError> {
     let [width, height] = recipe.plate.size;
@@ -238,7 +269,7 @@ fn print_result(
         let what = format!("misplaced by lamp and metal, seen at {SCORED_AT}°; {without:.2} % if not sharpened");
         table.push(row("blur (TV)", tv, what));
     }
-    if let Some(proof) = proof {
+    if let Some((proof, comparison)) = proved {
         table.extend(verdict_rows(&proof.verdict));
         if let Some(sheet) = &proof.sheet {
             let half = sheet.windows.half_cell.mean;
@@ -258,6 +289,14 @@ fn print_result(
             let tv = format!("{:.2} %", 100.0 * main.tv_incident.value);
             table.push(row("misplaced as milled", tv, format!("likeness {:.3}", main.ssim.value)));
         }
+        if let Some(Comparison { facets: [across, up], flat, continuous, milled }) = comparison {
+            let (other, score, what) = match made.sculpture {
+                Some(_) => ("flat facets", flat, format!("{across} × {up} of them")),
+                None => ("continuous relief", continuous, "one sheet".into()),
+            };
+            let (tv, how) = (format!("{:.2} %", 100.0 * score.misplaced), if *milled { ", milled alike" } else { "" });
+            table.push(row(other, tv, format!("misplaced by {what} instead{how}")));
+        }
     }
     if let Some([done, all]) = made.sculpture.as_ref().and_then(Sculpture::stopped_early) {
         table.push(row("stopped early", format!("{done} of {all}"), "steps of the design were done"));
@@ -266,7 +305,7 @@ fn print_result(
     table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));
     let advice = report["advice"].as_array().into_iter().flatten().filter_map(Value::as_str).map(Into::into);
     let notes: Vec<String> = picture.notes.iter().cloned().chain(advice).collect();
-    let look = if proof.is_some() { "; look at comparison.png first" } else { "" };
+    let look = if proved.is_some() { "; look at comparison.png first" } else { "" };
     let triangles = made.mesh.triangles.len();
     print_table(&format!("Wrote {}: plate.stl of {triangles} triangles{look}", folder.display()), &table, &notes)
 }

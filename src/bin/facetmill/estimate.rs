@@ -2,7 +2,9 @@
 
 use facetmill::export::stl::stl_bytes;
 use facetmill::facets::sample::Sampling;
-use facetmill::recipe::{Arrangement, Recipe, SurfaceKind};
+use facetmill::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
+use facetmill::sculpt::bound::Unavoidable;
+use facetmill::sculpt::milled_plate::places;
 use serde_json::{Value, json};
 
 use crate::console::{print_json, print_table, rays, row};
@@ -39,9 +41,21 @@ const FILES: f64 = 0.63;
 /// CPU seconds for scoring, a ray, and one on metal with a lobe.
 const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
 
+/// CPU seconds a place of the tool on a plate of facets, to mill it and to send light over it.
+const MILLED_PLACE: f64 = 4.5e-7;
+
 /// Tells the estimate, as JSON or as a table.
-pub fn tell(recipe: &Recipe, proved: bool, to_json: bool, quiet: bool) -> Result<(), OutputError> {
-    let facts = facts(recipe, proved);
+pub fn tell(
+    recipe: &Recipe,
+    stray: Option<Unavoidable>,
+    proved: bool,
+    to_json: bool,
+    quiet: bool,
+) -> Result<(), OutputError> {
+    let mut facts = facts(recipe, proved);
+    if let Some(stray) = stray {
+        facts["least_stray_share"] = json!(stray.share);
+    }
     if to_json {
         print_json(&facts)
     } else if quiet {
@@ -56,15 +70,18 @@ const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
 
 /// The facts, "about" being within a third; of a continuous relief, triangles and bytes are exact but for its base.
 fn facts(recipe: &Recipe, proved: bool) -> Value {
-    if recipe.plate.surface == SurfaceKind::Continuous {
+    if recipe.surface() == SurfaceKind::Continuous {
         return continuous_facts(recipe, proved);
     }
-    let [columns, rows] = recipe.plate.facets;
+    let [columns, rows] = recipe.facets();
     let facets = columns * rows;
     let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
     // Measured on drawings and photographs: 8.4 to 11 triangles a facet with its walls. The rest is sides and base.
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
-    let proof = if proved { proof_seconds(recipe) } else { 0.0 };
+    let proof = proof_seconds(recipe);
+    let [width, height] = recipe.plate.size;
+    let milled =
+        recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter.diameter) + PROOF.0);
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
@@ -73,19 +90,24 @@ fn facts(recipe: &Recipe, proved: bool) -> Value {
         "stl_triangles_about": triangles,
         "stl_bytes_about": stl_bytes(triangles),
         "design_cpu_seconds_about": design_seconds(recipe),
-        "verify_cpu_seconds_about": proof,
+        "verify_cpu_seconds_about": if proved { proof + milled } else { 0.0 },
         "files_cpu_seconds_about": FILES + 2e-6 * facets as f64,
     })
 }
 
 fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
     let sculpting = recipe.sculpting();
-    let (side, rim) = (sculpting.grid * sculpting.cells[0], 2.0 * recipe.plate.border);
+    let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
     let nodes = (sculpting.grid * sculpting.grid) as f64;
-    let triangles = 2 * side * side + 16 * side;
+    let triangles = 2 * columns * rows + 8 * (columns + rows);
     let each = if sculpting.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
     let step = sculpting.cell / sculpting.grid as f64;
-    let proof = if proved { proof_seconds(recipe) } else { 0.0 };
+    let proof = proof_seconds(recipe);
+    let [width, height] = recipe.plate.size;
+    // The facets that it is compared with, and as milled all of it once more.
+    let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Flat));
+    let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c.diameter);
+    let beside = flat + recipe.design.cutter.map_or(0.0, milled);
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
@@ -95,7 +117,7 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
         "stl_triangles_about": triangles,
         "stl_bytes_about": stl_bytes(triangles),
         "design_cpu_seconds_about": 0.1 + each * nodes,
-        "verify_cpu_seconds_about": if sculpting.cutter.is_some() { 3.0 * proof } else { proof },
+        "verify_cpu_seconds_about": if proved { proof + beside } else { 0.0 },
         "files_cpu_seconds_about": FILES + 2e-7 * triangles as f64,
     })
 }
@@ -106,15 +128,15 @@ fn proof_seconds(recipe: &Recipe) -> f64 {
 }
 
 fn design_seconds(recipe: &Recipe) -> f64 {
-    let [columns, rows] = recipe.plate.facets;
+    let [columns, rows] = recipe.facets();
     let facets = (columns * rows) as f64;
-    let cells = (recipe.cells() * recipe.cells()) as f64;
-    let sampling = match recipe.design.sample {
+    let cells = recipe.cells().iter().product::<usize>() as f64;
+    let sampling = match recipe.sampling() {
         Sampling::Voronoi => interpolated(VORONOI, facets),
         Sampling::Random | Sampling::Sobol => 2e-7 * facets,
     };
-    let annealing = &recipe.design.annealing;
-    let arrangement = match recipe.design.arrange {
+    let annealing = recipe.annealing();
+    let arrangement = match recipe.arrangement() {
         Arrangement::Transport => cells * interpolated(TRANSPORT, facets / cells),
         Arrangement::Anneal => cells * EXCHANGE * (annealing.swaps as f64) * f64::from(annealing.starts),
         Arrangement::Random => 0.0,
@@ -137,9 +159,9 @@ fn interpolated(measured: Measured, size: f64) -> f64 {
 fn print(recipe: &Recipe, facts: &Value) -> Result<(), OutputError> {
     let number = |key: &str| facts[key].as_f64().unwrap_or(0.0);
     let [width, height] = recipe.plate.size.map(|side| side + 2.0 * recipe.plate.border);
-    let pieces = match recipe.plate.surface {
+    let pieces = match recipe.surface() {
         SurfaceKind::Flat => {
-            let ([columns, rows], pitch) = (recipe.plate.facets, recipe.pitch());
+            let ([columns, rows], pitch) = (recipe.facets(), recipe.pitch());
             row("facets", format!("{columns} × {rows}"), format!("each {:.3} × {:.3} mm", pitch.x, pitch.y))
         }
         SurfaceKind::Continuous => {
@@ -151,7 +173,7 @@ fn print(recipe: &Recipe, facts: &Value) -> Result<(), OutputError> {
     let megabytes = number("stl_bytes_about") / 1e6;
     let [design, proof, files] =
         ["design", "verify", "files"].map(|stage| number(&format!("{stage}_cpu_seconds_about")));
-    let table = [
+    let mut table = vec![
         row("plate", format!("{width} × {height} mm"), "with its rim"),
         pieces,
         row("plate.stl", format!("about {megabytes:.1} MB"), format!("{} triangles", facts["stl_triangles_about"])),
@@ -163,6 +185,10 @@ fn print(recipe: &Recipe, facts: &Value) -> Result<(), OutputError> {
         ),
         row("files", format!("about {files:.1} s"), "mostly for pictures"),
     ];
+    if let Some(share) = facts["least_stray_share"].as_f64() {
+        let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";
+        table.push(row("straying", format!("{:.2} %", 100.0 * share), meaning));
+    }
     print_table("Dry run: nothing was designed or written", &table, &[])
 }
 

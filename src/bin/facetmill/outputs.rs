@@ -7,7 +7,7 @@ use facetmill::raster::Raster;
 use facetmill::recipe::run::Proof;
 use facetmill::recipe::{Recipe, Seen};
 use facetmill::verify::score::blurred;
-use facetmill::verify::verdict::MAIN_BLUR;
+use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
 
 use crate::console::{Failure, rays};
 use crate::files::Staged;
@@ -31,34 +31,46 @@ pub fn write_target(staged: &mut Staged, target: &Raster, recipe: &Recipe) -> Re
     write_png(staged, "target.png", &tone_mapped(&drawn, common_white(&drawn)))
 }
 
-/// Writes `simulated.png` and `comparison.png`, both seen through the main blur.
+/// Writes `simulated.png` and `comparison.png`, and `comparison_milled.png` if there is a cutter or polish, all seen through
+/// the main blur.
 pub fn write_proof(
     staged: &mut Staged,
     proof: &Proof,
     recipe: &Recipe,
     view: &View,
-    footer: String,
+    footer: &str,
 ) -> Result<(), Failure> {
     let see = |raster: &Raster| as_seen(raster, recipe, view);
     let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.share_image()));
     write_png(staged, "simulated.png", &tone_mapped(&simulated, common_white(&target)))?;
-    let verdict = &proof.verdict;
+    let compare = |simulated: &Raster, verdict: &Verdict, how: &str| {
+        let captions = captions(verdict, how, footer);
+        let blur = MAIN_BLUR.to_radians();
+        Comparison { target: &target, simulated, view, blur, captions: &captions }.picture()
+    };
+    write_png(staged, "comparison.png", &compare(&simulated, &proof.verdict, ""))?;
+    if let Some(milled) = &proof.milled {
+        let how = recipe.design.cutter.map_or("levelled, ".into(), |cutter| format!("cut by {cutter}, "));
+        let simulated = see(&milled.measurement.whole.share_image());
+        write_png(staged, "comparison_milled.png", &compare(&simulated, &milled.verdict, &how))?;
+    }
+    Ok(())
+}
+
+fn captions(verdict: &Verdict, how: &str, footer: &str) -> Captions {
     let main = verdict.main();
-    let captions = Captions {
+    Captions {
         numbers: [
             format!("as drawn, blurred by {MAIN_BLUR}°"),
-            format!("{} rays, blurred by {MAIN_BLUR}°", rays(verdict.rays)),
+            format!("{how}{} rays, blurred by {MAIN_BLUR}°", rays(verdict.rays)),
             format!(
                 "TV({MAIN_BLUR}°) {:.4}   SSIM {:.3}   W1 {:.2}°",
-                main.tv.value, main.ssim.value, verdict.w1.value
+                main.tv_incident.value, main.ssim.value, verdict.w1.value
             ),
         ],
-        footer,
+        footer: footer.to_owned(),
         ..Captions::default()
-    };
-    let comparison =
-        Comparison { target: &target, simulated: &simulated, view, blur: MAIN_BLUR.to_radians(), captions: &captions };
-    write_png(staged, "comparison.png", &comparison.picture())
+    }
 }
 
 /// Encodes and writes one picture.

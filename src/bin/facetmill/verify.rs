@@ -96,7 +96,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
         size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
     );
-    write_proof(&mut staged, &proof, &recipe, setup.view(), footer)?;
+    write_proof(&mut staged, &proof, &recipe, setup.view(), &footer)?;
     staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
     staged.publish()?;
     stages.finish();
