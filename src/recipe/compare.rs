@@ -40,7 +40,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Whether the facets misplace clearly less light: for less than [`CLEARLY`] nobody wants their steps, and rays
+    /// Whether the facets misplace clearly less light: for less than a tenth nobody wants their steps, and rays
     /// have their noise.
     pub fn facets_are_better(&self) -> bool {
         self.flat.misplaced < (1.0 - CLEARLY) * self.continuous.misplaced
