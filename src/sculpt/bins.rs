@@ -56,16 +56,17 @@ impl Bins {
         [xp * x + yp * y, xq * x + yq * y]
     }
 
-    #[inline]
+    #[inline(always)]
     fn corner(&self, at: Place) -> (usize, f32, f32) {
         // Written so that what is not a number lands at the rim.
         let (x, y) = (at.x.max(0.0).min(self.last), at.y.max(0.0).min(self.last));
-        let (i, j) = (x as usize, y as usize);
-        (j * self.side + i, x - i as f32, y - j as f32)
+        // To and from i32 there are single instructions, to and from usize there are not.
+        let (i, j) = (x as i32, y as i32);
+        (j as usize * self.side + i as usize, x - i as f32, y - j as f32)
     }
 
     /// Lays `mass` into the four bins around a place.
-    #[inline]
+    #[inline(always)]
     pub fn lay(&self, light: &mut [f32], at: Place, mass: f32) {
         let (k, a, b) = self.corner(at);
         let (upper, lower) = (mass * b, mass - mass * b);
@@ -77,7 +78,7 @@ impl Bins {
     }
 
     /// The potential at a place, and its gradient in bins.
-    #[inline]
+    #[inline(always)]
     pub fn read(&self, potential: &[f32], at: Place) -> (f32, [f32; 2]) {
         let (k, a, b) = self.corner(at);
         let four = &potential[k..k + self.side + 2];
@@ -91,12 +92,12 @@ impl Bins {
     pub fn walk(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         // About two bins a piece: potentials are smooth over as many, and so is light that is seen through a blur.
-        let pieces = (0.5 * dx.abs().max(dy.abs()) + 1.0).min(2.0 * self.side as f32) as usize;
+        let pieces = (0.5 * dx.abs().max(dy.abs()) + 1.0).min(2.0 * self.side as f32) as i32;
         let each = 1.0 / pieces as f32;
         let points = (0..pieces).map(move |k| {
             let t = (k as f32 + 0.5) * each;
             (t, Place { x: from.x + t * dx, y: from.y + t * dy })
         });
-        (pieces, points)
+        (pieces as usize, points)
     }
 }

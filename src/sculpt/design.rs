@@ -24,8 +24,11 @@ use super::waypoint::Waypoint;
 /// Blur at which reliefs are compared, degrees.
 const COMPARED_AT: f64 = 0.5;
 
-/// How often, within one stage, it is looked at what the tool really does.
-const LOOKS: usize = 4;
+/// Steps of a descent between looks at what the tool really does.
+const STEPS_A_LOOK: usize = 30;
+
+/// How often hollows are filled on the tool's grid and between its places, at the most.
+const FILLINGS: usize = 20;
 
 /// How much slopes are moved at random on the way to a finer grid.
 const UNEVENNESS: f64 = 0.004;
@@ -229,11 +232,12 @@ impl<'a> Work<'a> {
         objective.charge(&z, stage.folds);
         let mut y = objective.numbers(&z);
         let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-        let looks = if stage.gaze.is_fine() && self.sculpting.cutter.is_some() { LOOKS } else { 1 };
+        let watched = stage.gaze.is_fine() && self.sculpting.cutter.is_some();
+        let looks = if watched { stage.steps.div_ceil(STEPS_A_LOOK) } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / looks, memory: MEMORY, tolerance: TOLERANCE, first_move };
         for look in 0..looks {
-            if looks > 1 {
+            if watched {
                 objective.watch_tool(&objective.relief(&y));
             }
             let share = share.part(look, looks);
@@ -271,9 +275,15 @@ impl<'a> Work<'a> {
         let mut relief = relief(lattice, &z, self.making.tilt);
         if let Some(radius) = cutter {
             let tool = Tool::new(cell, radius);
-            tool.fill(&mut relief, CLEARANCE);
-            // Where a valley runs aslant, its floor lies between the tool's places.
-            tool.twice_as_fine().fill(&mut relief, CLEARANCE);
+            // Where a valley runs aslant, its floor lies between the tool's places; what is raised there, the tool meets
+            // anew.
+            let finer = Tool::without_steps(cell, radius);
+            for _ in 0..FILLINGS {
+                tool.fill(&mut relief, CLEARANCE);
+                if !finer.fill(&mut relief, CLEARANCE) {
+                    break;
+                }
+            }
         }
         let objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
         let fillets = objective.fillets(&relief.heights);

@@ -37,7 +37,7 @@ impl Light {
             for j in self.lattice.band(band) {
                 let row = rims.row(j);
                 for i in 0..self.lattice.n {
-                    for (mass, places) in self.triangles(row.square(i)) {
+                    for (mass, places) in self.triangles(row.square(i)).into_iter().filter(|(mass, _)| *mass > 0.0) {
                         places.into_iter().for_each(|at| bins.lay(&mut light, at, mass));
                     }
                 }
@@ -63,15 +63,17 @@ impl Light {
         rims.answer(self.lattice, |row, sums| {
             for i in 0..self.lattice.n {
                 let square = row.square(i);
-                let [kept, crossed] = self.triangles(square).map(|(mass, places)| {
+                let mut answers = [[[0.0; 2]; 2]; 2];
+                for (answers, (mass, places)) in answers.iter_mut().zip(self.triangles(square)) {
                     if mass == 0.0 {
-                        return [[0.0; 2]; 2];
+                        continue;
                     }
-                    places.map(|at| {
+                    for (answer, at) in answers.iter_mut().zip(places) {
                         let (_, [x, y]) = bins.read(potential, at);
-                        bins.to_slope([mass * x, mass * y])
-                    })
-                });
+                        *answer = bins.to_slope([mass * x, mass * y]);
+                    }
+                }
+                let [kept, crossed] = answers;
                 sums.p[0][i] += kept[0][0] + crossed[0][0];
                 sums.p[1][i] += kept[1][0] + crossed[1][0];
                 let (aside, ahead) = (kept[0][1] + crossed[1][1], kept[1][1] + crossed[0][1]);

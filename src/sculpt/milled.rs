@@ -24,6 +24,9 @@ const MOST: usize = 2000;
 /// Places of the tool across a cutter, unless a cell would have more than [`MOST`].
 pub(super) const PLACES_ACROSS_CUTTER: f64 = 50.0;
 
+/// mm.
+const SAG: f64 = 0.025e-3;
+
 /// A ball cutter over a grid of places.
 #[derive(Clone, Debug)]
 pub struct Tool {
@@ -55,9 +58,11 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
-    /// The same ball over twice as many places a side, however many that are.
-    pub fn twice_as_fine(&self) -> Self {
-        Self { radius: self.radius, places: 2 * self.places }
+    /// The same ball over places so close that between them its path sags by no more than [`SAG`], h²/8R: as good as one
+    /// that moves without steps.
+    pub fn without_steps(cell: DVec2, radius: f64) -> Self {
+        let places = (cell.max_element() / (8.0 * radius * SAG).sqrt()).ceil() as usize;
+        Self { radius, places: places.next_multiple_of(2).max(16) }
     }
 
     /// One cell of `relief` as the tool leaves it.
@@ -98,11 +103,11 @@ impl Tool {
 
     /// Raises nodes of `relief` wherever the cutter stays more than `most` mm above its triangles, until it does nowhere.
     ///
-    /// Few nodes need it; a hundred rounds are the limit, which nothing met so far has come near.
-    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64) {
+    /// Few nodes need it; a hundred rounds are the limit, which nothing met so far has come near. Returns whether any did.
+    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64) -> bool {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let milled = self.mill(relief);
             let mut raise = vec![0.0f32; n * n];
             for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
@@ -117,10 +122,11 @@ impl Tool {
                 }
             }
             if raise.iter().all(|v| *v == 0.0) {
-                break;
+                return round > 0;
             }
             relief.heights.iter_mut().zip(&raise).for_each(|(z, v)| *z += v);
         }
+        true
     }
 }
 

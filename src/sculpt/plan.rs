@@ -49,8 +49,8 @@ pub fn trial_descent(sculpting: &Sculpting) -> Stage {
 const ROUNDS: usize = 50;
 
 /// The descent after the matching, and on every finer grid.
-const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60, 1.0), stage(0.35, 0.5, 100, 0.3), stage(0.25, 0.25, 100, 0.1)];
-const FINISH: [Stage; 2] = [stage(0.35, 0.5, 60, 0.3), stage(0.25, 0.25, 80, 0.1)];
+const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60, 1.0), stage(0.35, 0.5, 80, 0.3), stage(0.25, 0.25, 60, 0.1)];
+const FINISH: [Stage; 2] = [stage(0.35, 0.5, 40, 0.3), stage(0.25, 0.25, 60, 0.1)];
 
 /// One step of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]

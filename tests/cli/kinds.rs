@@ -79,8 +79,8 @@ fn a_relief_that_is_worse_than_facets_is_not_praised() {
 #[test]
 fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     let home = home();
-    // Nine cells of 6 mm are small for a ball of 5 mm, one dome of 18 mm is not.
-    let line = "design ring.png --size 18x18 --for-cutter ball:5 --rays 50000";
+    // Nine cells of 5.3 mm are small for a ball of 5 mm, one dome of 16 mm is not.
+    let line = "design ring.png --size 16x16 --for-cutter ball:5 --rays 50000";
     let told = run_line(home.path(), &format!("{line} -o open"));
     assert_done(&told);
     assert!(told.stdout.contains("30 × 30 facets"), "{}", told.stdout);
@@ -95,7 +95,7 @@ fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     let stl = |name: &str| fs::read(home.path().join(name).join("plate.stl")).unwrap();
     assert!(stl("open") == stl("again"));
     // Who asks for the relief gets it.
-    let told = run_line(home.path(), &format!("{line} -o asked --surface continuous"));
+    let told = run_line(home.path(), &format!("{line} -o asked --surface continuous --grid 64"));
     assert_done(&told);
     assert!(told.stdout.contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
 }
