@@ -277,7 +277,7 @@ impl<'a> Work<'a> {
             let tool = Tool::new(cell, radius);
             // Where a valley runs aslant, its floor lies between the tool's places; what is raised there, the tool meets
             // anew.
-            let finer = Tool::without_steps(cell, radius);
+            let finer = Tool::without_steps(&relief, radius);
             for _ in 0..FILLINGS {
                 tool.fill(&mut relief, CLEARANCE);
                 if !finer.fill(&mut relief, CLEARANCE) {

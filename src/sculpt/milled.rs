@@ -58,11 +58,11 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
-    /// The same ball over places so close that between them its path sags by no more than [`SAG`], h²/8R: as good as one
-    /// that moves without steps.
-    pub fn without_steps(cell: DVec2, radius: f64) -> Self {
-        let places = (cell.max_element() / (8.0 * radius * SAG).sqrt()).ceil() as usize;
-        Self { radius, places: places.next_multiple_of(2).max(16) }
+    /// The same ball over places so close that its path between them sags by about [`SAG`], h²/8R: as good as one that
+    /// moves without steps. Each node of `relief` is one of them, since pits are at nodes.
+    pub fn without_steps(relief: &PeriodicRelief, radius: f64) -> Self {
+        let between_nodes = relief.step().max_element() / (8.0 * radius * SAG).sqrt();
+        Self { radius, places: relief.nodes * between_nodes.round().max(1.0) as usize }
     }
 
     /// One cell of `relief` as the tool leaves it.
