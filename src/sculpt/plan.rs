@@ -50,7 +50,7 @@ const ROUNDS: usize = 50;
 
 /// The descent after the matching, and on every finer grid.
 const DESCENT: [Stage; 3] = [stage(0.5, 0.75, 60, 1.0), stage(0.35, 0.5, 80, 0.3), stage(0.25, 0.25, 60, 0.1)];
-const FINISH: [Stage; 2] = [stage(0.35, 0.5, 40, 0.3), stage(0.25, 0.25, 60, 0.1)];
+const FINISH: [Stage; 2] = [stage(0.35, 0.5, 60, 0.3), stage(0.25, 0.25, 90, 0.1)];
 
 /// One step of a design.
 #[derive(Clone, Copy, Debug, PartialEq)]
