@@ -27,7 +27,7 @@ use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
 use crate::picture::{Encoding, Fit, Reading};
 use crate::projection::Projection;
-use crate::sculpt::design::Sculpting;
+use crate::sculpt::plan::Sculpting;
 use crate::sculpt::plan::suitable_grid;
 use crate::setup::Setup;
 use crate::sharpen::Blur;

@@ -1,6 +1,5 @@
 //! The stages of a continuous relief: first tries on a coarse grid, matching, then descent on finer and finer grids.
 
-use glam::DVec2;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -14,7 +13,9 @@ use super::closing::Closing;
 use super::matching::Matching;
 use super::milled::Tool;
 use super::objective::{CLEARANCE, Gaze, Making, Objective, relief};
-use super::plan::{DESCENT_FIRST_MOVE, MEMORY, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent};
+use super::plan::{
+    DESCENT_FIRST_MOVE, MEMORY, Sculpting, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
+};
 use super::resample::sampled;
 use super::rims::Lattice;
 use super::start::Start;
@@ -32,27 +33,6 @@ const FILLINGS: usize = 20;
 
 /// How much slopes are moved at random on the way to a finer grid.
 const UNEVENNESS: f64 = 0.004;
-
-/// What a continuous relief shall be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sculpting {
-    /// Size of a cell, mm.
-    pub cell: DVec2,
-    /// Cells along x and y.
-    pub cells: [usize; 2],
-    /// Nodes along each side of a cell, an even number.
-    pub grid: usize,
-    /// Radius of the ball cutter that the relief is for, mm.
-    pub cutter: Option<f64>,
-    /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
-    pub levelling: f64,
-    /// Waves shorter than this are damped, mm; 0 damps none.
-    pub min_feature: f64,
-    /// The most that a cell may rise from its lowest to its highest point about its mean plane, mm.
-    pub max_depth: Option<f64>,
-    /// Seed of everything random.
-    pub seed: u64,
-}
 
 /// The light that no relief cut by the ball of `sculpting` can keep from straying; `None` without a cutter, or if the
 /// distribution's image is too narrow to be laid out.

@@ -58,7 +58,7 @@ impl Tool {
         Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
-    /// The same ball over places so close that its path between them sags by about [`SAG`], h²/8R: as good as one that
+    /// The same ball over places so close that its path between them sags by about 0.025 µm, h²/8R: as good as one that
     /// moves without steps. Each node of `relief` is one of them, since pits are at nodes.
     pub fn without_steps(relief: &PeriodicRelief, radius: f64) -> Self {
         let between_nodes = relief.step().max_element() / (8.0 * radius * SAG).sqrt();

@@ -1,9 +1,29 @@
-//! The steps of a design, and what each costs.
+//! What a continuous relief shall be, the steps to it, and what each costs.
 
 use glam::DVec2;
 
-use super::design::Sculpting;
 use super::objective::Gaze;
+
+/// What a continuous relief shall be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sculpting {
+    /// Size of a cell, mm.
+    pub cell: DVec2,
+    /// Cells along x and y.
+    pub cells: [usize; 2],
+    /// Nodes along each side of a cell, an even number.
+    pub grid: usize,
+    /// Radius of the ball cutter that the relief is for, mm.
+    pub cutter: Option<f64>,
+    /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
+    pub levelling: f64,
+    /// Waves shorter than this are damped, mm; 0 damps none.
+    pub min_feature: f64,
+    /// The most that a cell may rise from its lowest to its highest point about its mean plane, mm.
+    pub max_depth: Option<f64>,
+    /// Seed of everything random.
+    pub seed: u64,
+}
 
 /// Nodes a side, at the most, of the first tries and of the matching.
 const COARSE: usize = 128;

@@ -7,8 +7,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::design::Sculpting;
-use super::plan::plan;
+use super::plan::{Sculpting, plan};
 use super::start::Start;
 
 /// What the first line says the file is.
