@@ -71,6 +71,17 @@ pub fn frequency(k: usize, n: usize) -> f64 {
     TAU * signed / n as f64
 }
 
+/// The next number from `n` up with no prime factor above 5, for which transforms are fast.
+pub fn smooth_size(n: usize) -> usize {
+    let divided = |mut m: usize, prime: usize| {
+        while m.is_multiple_of(prime) {
+            m /= prime;
+        }
+        m
+    };
+    (n.max(1)..).find(|&m| [2, 3, 5].into_iter().fold(m, divided) == 1).unwrap_or(n)
+}
+
 /// Transforms of all lines of a grid. Forward and inverse together multiply by the length.
 struct Line {
     length: usize,
@@ -176,6 +187,11 @@ fn in_pieces(values: &mut [Complex64], size: usize, work: impl Fn(usize, &mut [C
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sizes_are_smooth() {
+        assert_eq!([0, 1, 7, 11, 97, 121, 301].map(smooth_size), [1, 1, 8, 12, 100, 125, 320]);
+    }
 
     #[test]
     fn a_shift_by_phase_is_a_shift() {

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
+use crate::fourier::smooth_size;
+
 use super::rims::Lattice;
 
 /// Rows of a spectrum that are transposed together.
@@ -126,15 +128,7 @@ impl Waves {
 
 /// The next even number from `n` up with no prime factor above 5, for which transforms are fast.
 pub fn smooth_side(n: usize) -> usize {
-    let is_smooth = |m: usize| {
-        [2, 3, 5].into_iter().fold(m, |mut m, p| {
-            while m.is_multiple_of(p) {
-                m /= p;
-            }
-            m
-        }) == 1
-    };
-    (n.max(2)..).find(|&m| m.is_multiple_of(2) && is_smooth(m)).unwrap_or(n)
+    2 * smooth_size(n.div_ceil(2))
 }
 
 #[cfg(test)]
