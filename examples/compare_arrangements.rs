@@ -9,7 +9,8 @@ use std::path::PathBuf;
 
 use facetmill::picture;
 use facetmill::progress::Progress;
-use facetmill::recipe::run::{design, prove};
+use facetmill::recipe::proof::prove;
+use facetmill::recipe::run::design;
 use facetmill::recipe::{Arrangement, Recipe};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -12,7 +12,8 @@ use facetmill::progress::Progress;
 use facetmill::projection::View;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
-use facetmill::recipe::run::{design, prove};
+use facetmill::recipe::proof::prove;
+use facetmill::recipe::run::design;
 
 const SIDE: usize = 256;
 

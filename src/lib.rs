@@ -13,7 +13,8 @@
 //! use facetmill::projection::View;
 //! use facetmill::raster::Raster;
 //! use facetmill::recipe::Recipe;
-//! use facetmill::recipe::run::{design, prove};
+//! use facetmill::recipe::proof::prove;
+//! use facetmill::recipe::run::design;
 //!
 //! // A ring of light: numbers proportional to brightness, row 0 on top.
 //! let ring = Raster::from_fn(64, 64, |column, row| {
@@ -66,7 +67,8 @@
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
 //!    reflection on a wall nearby, [`verify::look`] what a camera sees of the plate.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
-//! 10. **All of it.** [`recipe`] holds every setting with its default, and [`recipe::run`] is the pipeline in a page.
+//! 10. **All of it.** [`recipe`] holds every setting with its default, [`recipe::run`] is the pipeline in
+//!     a page, and [`recipe::proof`] sends light over what comes of it.
 //!
 //! # The two frames
 //!

@@ -1,10 +1,10 @@
 //! A continuous relief beside the flat facets that the same recipe would make: which of the two puts more light right.
 
-use super::run::{Design, DesignError, Proof, design};
+use super::proof::{Proof, send_over_milled_facets};
+use super::run::{Design, DesignError, design};
 use super::{Recipe, SurfaceKind};
 use crate::progress::Progress;
 use crate::raster::Raster;
-use crate::sculpt::milled_plate::milled_plate;
 use crate::trace::grid::GridSurface;
 use crate::trace::plate::Task;
 use crate::verify::measure::{Measuring, Mirrored};
@@ -84,7 +84,7 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let measurement = match recipe.design.cutter {
         None => mirrored.on(&GridSurface::new(&plate.relief)),
-        Some(cutter) => mirrored.on(&GridSurface::continuous(&milled_plate(&plate.relief, cutter.radius()).surface)),
+        Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
     };
     Ok(measurement.and_then(|measurement| {
         let (image, up) = (measurement.whole.share_image(), measurement.whole.up());

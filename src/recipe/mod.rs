@@ -8,6 +8,8 @@ mod kind;
 
 pub mod run;
 
+pub mod proof;
+
 pub mod compare;
 
 pub mod report;

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use serde_json::{Map, Value, json};
 
 use super::compare::Comparison;
-use super::run::{Design, Proof};
+use super::proof::Proof;
+use super::run::Design;
 use super::{Recipe, SurfaceKind};
 use crate::distribution::Distribution;
 use crate::export::stl::stl_bytes;

@@ -1,4 +1,4 @@
-//! From a recipe and its picture to a plate, and the proof of it.
+//! From a recipe and its picture to a plate.
 
 use cpu_time::ProcessTime;
 
@@ -11,28 +11,18 @@ use crate::facets::arrange::{anneal::anneal_best, cells::in_cells, random_order,
 use crate::facets::heights::{least_squares, weyrich2009};
 use crate::facets::sample::sample;
 use crate::facets::steps::{Steps, steps};
-use crate::highlight::{Highlight, scored_target};
+use crate::highlight::Highlight;
 use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
-use crate::relief::periodic::PeriodicRelief;
 use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::design::{Sculpture, least_stray, sculpt};
-use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
-use crate::sculpt::milled::{Tool, levelled};
-use crate::sculpt::milled_plate::milled_plate;
 use crate::sculpt::waypoint::Waypoint;
 use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
-use crate::trace::grid::GridSurface;
 use crate::trace::mesh::MeshSurfaceError;
-use crate::trace::plate::{self, Task};
-use crate::verify::measure::{Measuring, Mirrored};
-use crate::verify::tally::Measurement;
-use crate::verify::verdict::Verdict;
-use crate::verify::windows::{Likeness, change, likeness};
 
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
@@ -70,43 +60,6 @@ pub struct Facets {
     pub grid: SlopeGrid,
     /// Steps, walls and valleys of the optical area.
     pub steps: Steps,
-}
-
-/// Light sent over a design, and what is said of it.
-#[derive(Clone, Debug)]
-pub struct Proof {
-    /// What was wanted, 256² pixels, sum 1.
-    pub target: Raster,
-    /// What the light did.
-    pub measurement: Measurement,
-    /// The figures.
-    pub verdict: Verdict,
-    /// What is said of a continuous relief besides.
-    pub sheet: Option<SheetProof>,
-    /// The same of the plate as its cutter leaves it, if one is named.
-    pub milled: Option<MilledProof>,
-}
-
-/// How a continuous relief looks in parts, and to diffraction; after its cutter, if it was designed for one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheetProof {
-    /// Its windows against the picture.
-    pub windows: Likeness,
-    /// The smallest patch on which its light depends.
-    pub detail: Option<Detail>,
-    /// Share of the light from mirrors so small that diffraction spreads it by more than a degree.
-    pub diffracted: f64,
-}
-
-/// Light sent over a design as its cutter leaves it.
-#[derive(Clone, Debug)]
-pub struct MilledProof {
-    /// The most that the cutter stays above the written surface, mm.
-    pub left: f64,
-    /// What the light did.
-    pub measurement: Measurement,
-    /// The figures.
-    pub verdict: Verdict,
 }
 
 /// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
@@ -274,92 +227,6 @@ fn faceted(
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap("solid");
     Ok(Plate { facets: Some(Facets { grid, steps }), sculpture: None, least_stray: None, relief, mesh })
-}
-
-/// Sends light over the design's exact relief and scores what comes back against the picture.
-pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
-    progress.stage("tracing light over the relief");
-    let setup = &design.distribution.setup;
-    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
-    let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-    let metal = recipe.metal();
-    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
-    let measurement = match &design.sculpture {
-        None => mirrored.on(&GridSurface::new(&design.relief)),
-        // The triangles themselves, as they stand in the file.
-        Some(_) => plate::Plate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
-    };
-    let measurement = measurement.ok_or_else(unlit)?;
-    progress.stage("scoring");
-    let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
-    let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
-    let made = design.sculpture.as_ref().map(|sculpture| Made::of(recipe, sculpture));
-    let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
-    let milled = match prove_milled(recipe, design, made.as_ref(), mirrored)? {
-        None => None,
-        Some((measurement, left)) => {
-            let measurement = measurement.ok_or_else(unlit)?;
-            let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
-            Some(MilledProof { left, measurement, verdict })
-        }
-    };
-    Ok(Proof { target, measurement, verdict, sheet, milled })
-}
-
-/// A continuous relief as it is made.
-struct Made {
-    /// One cell, after cutter and polish; as written, if it was not designed for them.
-    relief: PeriodicRelief,
-    /// The most that the cutter stays above the written surface, mm.
-    left: f64,
-}
-
-impl Made {
-    fn of(recipe: &Recipe, sculpture: &Sculpture) -> Self {
-        let relief = &sculpture.relief;
-        let (cut, left) = match recipe.design.cutter {
-            None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
-            Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter.radius()).mill(relief);
-                let left = milled.most_left();
-                (milled.relief, left)
-            }
-        };
-        Self { relief: levelled(cut, recipe.design.levelling), left }
-    }
-
-    fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
-        // Windows lie anywhere on a plate of many cells.
-        let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
-        let changed = change(&self.relief, setup);
-        let detail = smallest_detail(&self.relief, &changed);
-        let diffracted = diffracted(&self.relief, 1.0, &changed);
-        let blur = recipe.blur(setup);
-        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed)?;
-        Some(SheetProof { windows, detail, diffracted })
-    }
-}
-
-/// Light sent over the plate as its cutter leaves it, and the most that it leaves; `None` without a cutter or polish.
-fn prove_milled(
-    recipe: &Recipe,
-    design: &Design,
-    made: Option<&Made>,
-    mirrored: Mirrored,
-) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
-    let cutter = recipe.design.cutter;
-    mirrored.progress.stage("milling it, and tracing that");
-    Ok(match (made, cutter) {
-        (Some(made), _) if cutter.is_some() || recipe.design.levelling > 0.0 => {
-            let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
-            Some((surface.run(mirrored), made.left))
-        }
-        (None, Some(cutter)) => {
-            let milled = milled_plate(&design.relief, cutter.radius());
-            Some((mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left))
-        }
-        _ => None,
-    })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

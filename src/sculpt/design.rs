@@ -66,8 +66,9 @@ impl Sculpture {
 
 /// Designs the relief whose light is `distribution`'s, from the beginning or from where an earlier run `from` had come.
 ///
-/// `passed` is told of every step that is done. A `from` that does not suit `sculpting` is not gone on from. If the work is cancelled, the best relief so far is the result, `None` if
-/// there is none yet; `None` too if the distribution's image is too narrow to be laid out.
+/// `passed` is told of every step that is done. A `from` that does not suit `sculpting` is not gone on from. If the work is
+/// cancelled, the best relief so far is the result, `None` if there is none yet; `None` too if the distribution's image is
+/// too narrow to be laid out.
 pub fn sculpt(
     distribution: &Distribution,
     sculpting: &Sculpting,

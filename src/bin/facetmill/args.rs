@@ -29,8 +29,8 @@ pub enum Command {
     /// Design a plate whose reflection is the picture; write STL, pictures and a report
     ///
     /// The folder receives plate.stl (closed solid, mm), heightmap.png with heightmap.json, target.png, simulated.png,
-    /// comparison.png (look at this one first; comparison_milled.png with a cutter), relief.png, report.json, and recipe.toml: every setting, so that
-    /// `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
+    /// comparison.png (look at this one first; comparison_milled.png with a cutter), relief.png, report.json, and
+    /// recipe.toml: every setting, so that `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
     ///
     /// Ctrl-C while a continuous relief is sculpted finishes the best so far, proof and files included, once the first
     /// tries are done; a second one stops at once and leaves nothing.

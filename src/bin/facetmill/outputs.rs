@@ -4,7 +4,7 @@ use facetmill::export::comparison::{Captions, Comparison};
 use facetmill::export::picture::{common_white, encode_png, tone_mapped};
 use facetmill::projection::View;
 use facetmill::raster::Raster;
-use facetmill::recipe::run::Proof;
+use facetmill::recipe::proof::Proof;
 use facetmill::recipe::{Recipe, Seen};
 use facetmill::verify::score::blurred;
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};

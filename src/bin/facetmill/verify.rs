@@ -4,7 +4,7 @@ use facetmill::highlight::scored_target;
 use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
-use facetmill::recipe::run::Proof;
+use facetmill::recipe::proof::Proof;
 use facetmill::slope::direction;
 use facetmill::verify::measure::{Measuring, Mirrored};
 use facetmill::verify::verdict::Verdict;
