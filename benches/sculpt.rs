@@ -1,24 +1,24 @@
-//! The kernels of a continuous relief's design, on 256 × 256 nodes: `cargo bench --bench sculpt`.
+//! The kernels of a sheet's design, on 256 × 256 nodes: `cargo bench --bench sculpt`.
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use facetmill::sculpt::bins::Bins;
 use facetmill::sculpt::closing::Closing;
-use facetmill::sculpt::folds::Folds;
-use facetmill::sculpt::light::Light;
-use facetmill::sculpt::milled::Tool;
+use facetmill::sculpt::concave_edges::ConcaveEdges;
+use facetmill::sculpt::edge_slopes::{EdgeSlopes, Lattice};
+use facetmill::sculpt::light_model::LightModel;
 use facetmill::sculpt::objective::relief;
-use facetmill::sculpt::rims::{Lattice, Rims};
+use facetmill::sculpt::periodic_filter::PeriodicFilter;
+use facetmill::sculpt::slope_histogram::SlopeHistogram;
 use facetmill::sculpt::target::SlopeTarget;
-use facetmill::sculpt::waves::Waves;
+use facetmill::sculpt::tool::Tool;
 use facetmill::slope::Slope;
 use glam::{DMat2, DVec2};
 
 const NODES: usize = 256;
 const SIDE: usize = 384;
 
-/// A dome with ripples, slopes up to about 0.2, valleys at its rims.
+/// A dome with ripples, slopes up to about 0.2, valleys at its edges.
 fn heights(lattice: Lattice) -> Vec<f32> {
     let cell = lattice.cell();
     (0..NODES * NODES)
@@ -42,23 +42,24 @@ fn kernels(criterion: &mut Criterion) {
         per_slope,
         middle: DVec2::splat(0.5 * SIDE as f64),
     };
-    let bins = Bins::new(&target);
+    let bins = SlopeHistogram::new(&target);
     let potential: Vec<f32> = (0..SIDE * SIDE).map(|k| ((k % SIDE) as f32 * 0.1).sin()).collect();
-    let rims = Rims::new(lattice, &z);
-    let plain = Light::new(lattice, bins, 0.0, None);
-    let cut = Light::new(lattice, bins, 0.125, Some(Folds::new(lattice, radius, 0.1)));
-    criterion.bench_function("rims", |b| b.iter(|| Rims::new(lattice, black_box(&z))));
+    let edges = EdgeSlopes::new(lattice, &z);
+    let plain = LightModel::new(lattice, bins, 0.0, None);
+    let cut = LightModel::new(lattice, bins, 0.125, Some(ConcaveEdges::new(lattice, radius, 0.1)));
+    criterion.bench_function("edges", |b| b.iter(|| EdgeSlopes::new(lattice, black_box(&z))));
     for (name, light) in [("triangles", &plain), ("triangles and fillets", &cut)] {
-        criterion.bench_function(&format!("splat {name}"), |b| b.iter(|| light.shine(black_box(&rims))));
-        criterion
-            .bench_function(&format!("pull of {name}"), |b| b.iter(|| light.pull(black_box(&rims), &potential, 1.0)));
+        criterion.bench_function(&format!("splat {name}"), |b| b.iter(|| light.forward(black_box(&edges))));
+        criterion.bench_function(&format!("gradient of {name}"), |b| {
+            b.iter(|| light.adjoint(black_box(&edges), &potential, 1.0))
+        });
     }
     let closing = Closing::new(NODES, lattice.step, radius);
     criterion.bench_function("hulls", |b| b.iter(|| closing.close(&mut z.clone())));
     let contacts = closing.close(&mut z.clone());
-    criterion.bench_function("adjoint of hulls", |b| b.iter(|| contacts.pull_back(&mut z.clone())));
+    criterion.bench_function("adjoint of hulls", |b| b.iter(|| contacts.adjoint(&mut z.clone())));
     for side in [NODES, 432] {
-        let waves = Waves::new(side);
+        let waves = PeriodicFilter::new(side);
         let gains = waves.gains(|i, j| 1.0 / (1.0 + (i * i + j * j) as f64));
         let grid = vec![0.5f32; side * side];
         criterion

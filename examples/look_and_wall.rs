@@ -6,16 +6,16 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use facetmill::export::picture::encode_png;
-use facetmill::export::sights::{Exposure, look_page, wall_page};
+use facetmill::export::rendered_view::{Exposure, view_page, wall_page};
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
 use facetmill::recipe::run::design;
 use facetmill::trace::grid::GridSurface;
 use facetmill::verify::lamp::Lamp;
-use facetmill::verify::look::{Look, Shape, look};
 use facetmill::verify::measure::{Experiment, Measuring};
-use facetmill::verify::wall::{Throw, throw};
+use facetmill::verify::render::{Shape, ViewSettings, look};
+use facetmill::verify::wall::{WallSettings, throw};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
@@ -38,36 +38,43 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A lamp of 10 mm radius and a wall, both a metre away.
     let surface = GridSurface::new(&plate.relief);
     let mirror = Experiment::new(&surface, &setup);
-    let settings = Throw { lamp_distance: 1000.0, lamp_radius: 10.0, half_width: 450.0, ..Throw::default() };
+    let settings =
+        WallSettings { lamp_distance: 1000.0, lamp_radius: 10.0, half_width: 450.0, ..WallSettings::default() };
     let thrown = throw(&mirror, &settings, &Measuring::default(), &Progress::silent())?;
-    let exposure = Exposure { mirrored: true, heading: "Thrown on a wall".into(), ..Exposure::default() };
+    let exposure = Exposure { mirrored: true, heading: "WallImage on a wall".into(), ..Exposure::default() };
     save("wall.png", &wall_page(&thrown, &settings, &exposure))?;
 
     // The plate in a hand, under a lamp of 3° radius, in a room with a little light of its own.
     let material: facetmill::brdf::material::Material = "aluminium:ggx:0.03".parse()?;
     let lamp = Lamp::round(f64::to_radians(3.0));
     let finished = Experiment { material: material.clone(), lamp: lamp.clone(), ..mirror };
-    let settings =
-        Look { theta: 22.0, phi: 270.0, distance: 300.0, field_of_view: 7.0, ambient: 0.05, ..Look::default() };
+    let settings = ViewSettings {
+        theta: 22.0,
+        phi: 270.0,
+        distance: 300.0,
+        field_of_view: 7.0,
+        ambient: 0.05,
+        ..ViewSettings::default()
+    };
     let sight = look(&finished, &settings, &Progress::silent())?;
-    save("plate.png", &look_page(&sight, &settings, &Exposure { heading: "The plate".into(), ..Exposure::default() }))?;
+    save("plate.png", &view_page(&sight, &settings, &Exposure { heading: "The plate".into(), ..Exposure::default() }))?;
 
     // A ball and a cylinder whose whole surface has that relief, too fine to see.
     let panel = GridSurface::panel(&plate.relief);
     let worn = Experiment { surface: &panel, setup: &setup, material, lamp };
     let shapes = [("ball.png", Shape::Sphere { radius: 40.0 }), ("cylinder.png", Shape::Cylinder { radius: 40.0 })];
     for (name, shape) in shapes {
-        let settings = Look {
+        let settings = ViewSettings {
             shape,
             distance: 500.0,
             field_of_view: 11.0,
             ambient: 0.02,
             theta: 30.0,
             phi: 270.0,
-            ..Look::default()
+            ..ViewSettings::default()
         };
         let sight = look(&worn, &settings, &Progress::silent())?;
-        save(name, &look_page(&sight, &settings, &Exposure::default()))?;
+        save(name, &view_page(&sight, &settings, &Exposure::default()))?;
     }
     Ok(())
 }

@@ -16,14 +16,14 @@ use crate::slope::Slope;
 /// How the distribution is read off a highlight.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-pub struct DistributionSettings {
+pub struct SlopeDistributionSettings {
     /// Steepest facet, degrees: light that asks for steeper ones is dropped and reported (the paper's 65°).
     pub slope_cap: f64,
     /// Mount the plate tilted so that its mean slope is zero (the paper rotates its distribution so).
     pub level: bool,
 }
 
-impl Default for DistributionSettings {
+impl Default for SlopeDistributionSettings {
     fn default() -> Self {
         Self { slope_cap: 65.0, level: false }
     }
@@ -31,7 +31,7 @@ impl Default for DistributionSettings {
 
 /// Share of the plate's area that each image position asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Distribution {
+pub struct SlopeDistribution {
     /// Footprint per pixel of the highlight image, sum 1.
     pub footprint: Raster,
     /// Flux per pixel that those footprints send, sum 1: the highlight less what the slope cap takes.
@@ -46,19 +46,19 @@ pub struct Distribution {
     pub spread: f64,
 }
 
-impl Distribution {
+impl SlopeDistribution {
     /// Finds the distribution for a `highlight` read for `setup`; `reflectance` is the base metal's F as a function of the cosine of incidence.
     pub fn new(
         highlight: &Highlight,
         setup: &Setup,
-        settings: &DistributionSettings,
+        settings: &SlopeDistributionSettings,
         reflectance: impl Fn(f64) -> f64,
     ) -> Result<Self, DistributionError> {
         let mut found = Self::mounted(highlight, *setup, settings, &reflectance)?;
         if settings.level {
             // Mounting the plate along its mean normal changes the footprints a little, hence the mean: a fixed point,
             // reached to rounding in a handful of rounds because the change is of second order in the slopes.
-            for _ in 0..LEVELLING_ROUNDS {
+            for _ in 0..LEVEL_ROUNDS {
                 if found.mean.to_vec().length() < 1e-10 {
                     break;
                 }
@@ -75,7 +75,7 @@ impl Distribution {
     fn mounted(
         highlight: &Highlight,
         setup: Setup,
-        settings: &DistributionSettings,
+        settings: &SlopeDistributionSettings,
         reflectance: &impl Fn(f64) -> f64,
     ) -> Result<Self, DistributionError> {
         let Raster { width, height, .. } = highlight.flux;
@@ -113,7 +113,7 @@ impl Distribution {
     }
 }
 
-const LEVELLING_ROUNDS: usize = 20;
+const LEVEL_ROUNDS: usize = 20;
 
 /// Why no distribution could be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -134,16 +134,16 @@ mod tests {
     use crate::highlight::Quantity;
     use crate::projection::Projection;
 
-    fn distribution(theta: f64, light: &Raster, settings: &DistributionSettings) -> Distribution {
+    fn distribution(theta: f64, light: &Raster, settings: &SlopeDistributionSettings) -> SlopeDistribution {
         let setup = Setup::new(theta, 0.3, 0.0, Projection::Equidistant, 0.25);
         let highlight = Highlight::new(light, Quantity::Intensity, &setup).unwrap();
-        Distribution::new(&highlight, &setup, settings, |_| 1.0).unwrap()
+        SlopeDistribution::new(&highlight, &setup, settings, |_| 1.0).unwrap()
     }
 
     #[test]
     fn footprints_intercept_exactly_the_flux_that_was_asked_for() {
         let light = Raster::from_fn(32, 32, |x, y| 1.0 + (x * y % 7) as f64);
-        let found = distribution(1.0, &light, &DistributionSettings::default());
+        let found = distribution(1.0, &light, &SlopeDistributionSettings::default());
         let l = found.setup.light();
         let sent: Vec<f64> = (0..32 * 32)
             .map(|k| {
@@ -162,9 +162,9 @@ mod tests {
     fn levelling_takes_the_mean_slope_out_at_any_incidence() {
         let light = Raster::from_fn(32, 32, |x, y| f64::from(u8::from(x > 20 && y < 12)));
         for theta in [0.0, 0.8] {
-            let plain = distribution(theta, &light, &DistributionSettings::default());
+            let plain = distribution(theta, &light, &SlopeDistributionSettings::default());
             assert!(plain.mean.to_vec().length() > 0.05);
-            let level = distribution(theta, &light, &DistributionSettings { level: true, ..Default::default() });
+            let level = distribution(theta, &light, &SlopeDistributionSettings { level: true, ..Default::default() });
             assert!(level.mean.to_vec().length() < 1e-9, "{:?}", level.mean);
             assert!(level.spread < 1.1 * plain.spread);
         }
@@ -176,8 +176,8 @@ mod tests {
         let light = Raster::from_fn(32, 32, |x, y| f64::from(u8::from(x > 16 && y < 16)));
         let setup = Setup::new(0.3, 0.3, 0.0, Projection::Equidistant, 0.5);
         let highlight = Highlight::new(&light, Quantity::Radiance, &setup).unwrap();
-        let settings = DistributionSettings { level: true, ..Default::default() };
-        let found = Distribution::new(&highlight, &setup, &settings, |_| 1.0).unwrap();
+        let settings = SlopeDistributionSettings { level: true, ..Default::default() };
+        let found = SlopeDistribution::new(&highlight, &setup, &settings, |_| 1.0).unwrap();
         let asked = Highlight::new(&light, Quantity::Radiance, &found.setup).unwrap().flux;
         for ((found, asked), flat) in found.flux.values.iter().zip(&asked.values).zip(&highlight.flux.values) {
             assert!((found - asked).abs() < 1e-12);
@@ -189,14 +189,14 @@ mod tests {
     #[test]
     fn the_cap_drops_and_counts_steep_light() {
         let light = Raster::from_fn(64, 64, |_, _| 1.0);
-        let cap = DistributionSettings { slope_cap: f64::to_degrees(0.0625), level: false };
+        let cap = SlopeDistributionSettings { slope_cap: f64::to_degrees(0.0625), level: false };
         let found = distribution(0.0, &light, &cap);
         // Deflection is twice the tilt: the cap keeps the disc of half the half field, π/16 of the square; intensity
         // weighs pixels by sin(a)/a, which is 1 within 1 % here.
         assert!((1.0 - found.beyond_cap - std::f64::consts::PI / 16.0).abs() < 0.01, "{}", found.beyond_cap);
         let highlight =
             Highlight { flux: Raster::from_fn(2, 2, |_, _| 0.25), below_plate: 0.0, quantity: Quantity::Flux };
-        let none = DistributionSettings { slope_cap: 0.1, level: false };
-        assert!(Distribution::new(&highlight, &found.setup, &none, |_| 1.0).is_err());
+        let none = SlopeDistributionSettings { slope_cap: 0.1, level: false };
+        assert!(SlopeDistribution::new(&highlight, &found.setup, &none, |_| 1.0).is_err());
     }
 }

@@ -60,12 +60,12 @@
 //!    share of the plate's area.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
-//! 6. **Or one sheet.** [`sculpt`] shapes a continuous relief in place of facets: see [`recipe::SurfaceKind`].
+//! 6. **Or one sheet.** [`sculpt`] shapes a sheet in place of facets: see [`recipe::SurfaceKind`].
 //! 7. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
-//! 8. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::plate`] takes the tracer that serves it
+//! 8. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::traced_plate`] takes the tracer that serves it
 //!    best), [`verify`] collects them as an image and scores it, each figure with its standard error.
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
-//!    reflection on a wall nearby, [`verify::look`] what a camera sees of the plate.
+//!    reflection on a wall nearby, [`verify::render`] what a camera sees of the plate.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
 //! 10. **All of it.** [`recipe`] holds every setting with its default, [`recipe::run`] is the pipeline in
 //!     a page, and [`recipe::proof`] sends light over what comes of it.

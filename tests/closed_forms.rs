@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use facetmill::brdf::material::{Material, Substance};
 use facetmill::brdf::metals::Metal;
-use facetmill::brdf::microfacet::{Distribution, Lobe};
+use facetmill::brdf::microfacet::{Lobe, MicrofacetDistribution};
 use facetmill::export::solid::solid;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
@@ -320,12 +320,12 @@ fn a_comb_of_walls_shadows_what_its_height_times_the_tangent_says() {
 
 /// Facet area per steradian of normals tilted by `tilt`, and Smith's G₁ toward `angle`: Walter et al., EGSR 2007, eq. 25,
 /// 33 and 26, 34, with the error function as an integral.
-fn walter(law: Distribution, alpha: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -> f64) {
+fn walter(law: MicrofacetDistribution, alpha: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -> f64) {
     let d = move |tilt: f64| {
         let (t2, c4) = (tilt.tan().powi(2), tilt.cos().powi(4));
         match law {
-            Distribution::Ggx => alpha * alpha / (PI * c4 * (alpha * alpha + t2).powi(2)),
-            Distribution::Beckmann => (-t2 / (alpha * alpha)).exp() / (PI * alpha * alpha * c4),
+            MicrofacetDistribution::Ggx => alpha * alpha / (PI * c4 * (alpha * alpha + t2).powi(2)),
+            MicrofacetDistribution::Beckmann => (-t2 / (alpha * alpha)).exp() / (PI * alpha * alpha * c4),
         }
     };
     let g1 = move |angle: f64| {
@@ -334,8 +334,8 @@ fn walter(law: Distribution, alpha: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -
             return 1.0;
         }
         match law {
-            Distribution::Ggx => 2.0 / (1.0 + (1.0 + slope * slope).sqrt()),
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Ggx => 2.0 / (1.0 + (1.0 + slope * slope).sqrt()),
+            MicrofacetDistribution::Beckmann => {
                 let a: f64 = 1.0 / slope;
                 let end = a.min(6.0);
                 let erf = 2.0 / PI.sqrt() * midpoints(0.0, end, 200, |t| (-t * t).exp());
@@ -360,8 +360,9 @@ fn half_vectors_of_rough_plates_lie_within_a_tilt_as_their_laws_say() {
     let mesh = MeshSurface::new(&solid(&flat, 1.0).unwrap(), 0.0).unwrap();
     let grid = GridSurface::new(&flat);
     let alpha = 0.2;
-    for (law, theta) in
-        [Distribution::Ggx, Distribution::Beckmann].into_iter().flat_map(|law| [(law, 0.0), (law, 45.0)])
+    for (law, theta) in [MicrofacetDistribution::Ggx, MicrofacetDistribution::Beckmann]
+        .into_iter()
+        .flat_map(|law| [(law, 0.0), (law, 45.0)])
     {
         let material = Material::new(Substance::Mirror, Some(Lobe::new(law, alpha, alpha).unwrap())).unwrap();
         let scene = Scene { theta, phi: 200.0, material, ..Scene::overhead(80.0, 128) };
@@ -390,8 +391,8 @@ fn half_vectors_of_rough_plates_lie_within_a_tilt_as_their_laws_say() {
             if theta == 0.0 {
                 // Without masking, D cos θ dω within the tilt, but for the staircase of pixels around it.
                 let plain = match law {
-                    Distribution::Ggx => factor * factor / (1.0 + factor * factor),
-                    Distribution::Beckmann => 1.0 - (-factor * factor).exp(),
+                    MicrofacetDistribution::Ggx => factor * factor / (1.0 + factor * factor),
+                    MicrofacetDistribution::Beckmann => 1.0 - (-factor * factor).exp(),
                 };
                 assert!((unmasked - plain).abs() < 0.01, "{unmasked} {plain}");
             }
@@ -406,7 +407,7 @@ fn half_vectors_of_rough_plates_lie_within_a_tilt_as_their_laws_say() {
 
 #[test]
 fn a_very_rough_mirror_returns_seven_tenths_of_light_from_above() {
-    let (d, g1) = walter(Distribution::Ggx, 0.5);
+    let (d, g1) = walter(MicrofacetDistribution::Ggx, 0.5);
     // Half vectors tilted beyond 45° send light into the plate.
     let albedo = midpoints(0.0, PI / 4.0, 10_000, |t| TAU * t.sin() * t.cos() * d(t) * g1(2.0 * t));
     assert!((albedo - 0.69).abs() < 0.005, "{albedo}");

@@ -322,7 +322,7 @@ fn a_designs_folder_supplies_lamp_field_and_mount() {
     let usual = measured(home.path(), "sun -o d --resolution 16 --material diffuse:0");
     assert!(number(&usual["rays"]) > 1e6, "{usual}");
 
-    // Light in one corner: levelled, the plate throws it there only as mounted.
+    // Light in one corner: polished, the plate throws it there only as mounted.
     let corner = GrayImage::from_fn(32, 32, |x, y| Luma([if x > 22 && y < 10 { 255 } else { 0 }]));
     corner.save(home.path().join("corner.png")).unwrap();
     assert_done(&run_line(home.path(), "design corner.png -o level --facets 12x12 --no-verify --level"));

@@ -27,8 +27,8 @@ use facetmill::trace::grid::GridSurface;
 use facetmill::verify::goniometer::sweep::sweep;
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
 use facetmill::verify::lamp::Lamp;
-use facetmill::verify::look::{Look, Shape, Sight, look};
 use facetmill::verify::measure::{Experiment, Measuring};
+use facetmill::verify::render::{RenderedView, Shape, ViewSettings, look};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
@@ -53,7 +53,7 @@ fn rendered(scene: &Value) -> Result<[Raster; 2], String> {
 }
 
 /// Camera and lamp of an experiment, as the scene of the script.
-fn scene<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, target: DVec3, object: Value) -> Value {
+fn scene<S: Surface>(experiment: &Experiment<'_, S>, settings: &ViewSettings, target: DVec3, object: Value) -> Value {
     let toward = direction(settings.theta.to_radians(), settings.phi.to_radians());
     let mut scene = json!({
         "eye": (target + settings.distance * toward).to_array(), "target": target.to_array(),
@@ -76,7 +76,13 @@ fn keep(name: &str, ours: &Raster, theirs: &Raster) {
 }
 
 /// Both pictures of one experiment, and whether they agree; `object` is what the scene says of shape and roughness.
-fn seen_alike<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, metal: &str, object: Value, target: DVec3) {
+fn seen_alike<S: Surface>(
+    experiment: &Experiment<'_, S>,
+    settings: &ViewSettings,
+    metal: &str,
+    object: Value,
+    target: DVec3,
+) {
     let (eta, k) = Metal::named(metal).unwrap().at(550.0);
     let mut scene = scene(experiment, settings, target, object);
     (scene["eta"], scene["k"]) = (json!(eta), json!(k));
@@ -89,7 +95,7 @@ fn seen_alike<S: Surface>(experiment: &Experiment<'_, S>, settings: &Look, metal
     judge(metal, &ours, &theirs, &variance);
 }
 
-fn judge(name: &str, ours: &Sight, theirs: &Raster, variance: &Raster) {
+fn judge(name: &str, ours: &RenderedView, theirs: &Raster, variance: &Raster) {
     let pixels = ours.radiance.values.len();
     let total = theirs.sum();
     let apart: f64 = ours.radiance.values.iter().zip(&theirs.values).map(|(a, b)| (a - b).abs()).sum();
@@ -133,14 +139,14 @@ fn a_rough_plate_looks_as_in_mitsuba() {
     let material = "aluminium:ggx:0.2".parse().unwrap();
     let experiment = Experiment { surface: &surface, setup: &setup, material, lamp: Lamp::Point };
     // Near enough for perspective to show, and only the plate's upper side in the picture: its sides count as black here.
-    let settings = Look {
+    let settings = ViewSettings {
         theta: 25.0,
         phi: 230.0,
         distance: 80.0,
         field_of_view: 14.0,
         size: [120, 120],
         rays: 1024,
-        ..Look::default()
+        ..ViewSettings::default()
     };
     let (low, high) = plate.relief.bounds();
     seen_alike(&experiment, &settings, "aluminium", json!({"stl": stl, "alpha": [0.2, 0.2]}), 0.5 * (low + high));
@@ -153,7 +159,7 @@ fn a_brushed_ball_looks_as_in_mitsuba() {
     let panel = GridSurface::panel(&flat);
     let material = "brass:ggx:0.15,0.4".parse().unwrap();
     let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
-    let settings = Look {
+    let settings = ViewSettings {
         theta: 40.0,
         phi: 300.0,
         distance: 200.0,
@@ -161,7 +167,7 @@ fn a_brushed_ball_looks_as_in_mitsuba() {
         size: [90, 70],
         shape: Shape::Sphere { radius: 30.0 },
         rays: 1024,
-        ..Look::default()
+        ..ViewSettings::default()
     };
     seen_alike(&experiment, &settings, "brass", json!({"ball": 30.0, "alpha": [0.15, 0.4]}), DVec3::ZERO);
 }
@@ -176,13 +182,13 @@ fn a_ball_of_the_exported_bsdf_looks_as_one_that_wears_the_relief() {
     let setup = Setup::new(f64::to_radians(30.0), f64::to_radians(70.0), 0.0, Projection::Equidistant, 0.3);
     let material = "aluminium:ggx:0.2".parse().unwrap();
     let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
-    let settings = Look {
+    let settings = ViewSettings {
         distance: 200.0,
         field_of_view: 18.0,
         size: [32, 32],
         shape: Shape::Sphere { radius: 30.0 },
         rays: 25_600,
-        ..Look::default()
+        ..ViewSettings::default()
     };
     // Without Mitsuba nothing is to be measured: asked first with a BRDF that needs no time.
     let flat = |wi: DVec3, _: DVec3| 0.1 / wi.z.max(0.1);

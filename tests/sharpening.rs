@@ -1,6 +1,6 @@
 //! What lamp and metal blur is made up for in the design, and the proof sees both.
 
-use facetmill::distribution::Distribution;
+use facetmill::distribution::SlopeDistribution;
 use facetmill::highlight::Highlight;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
@@ -19,7 +19,7 @@ fn ring() -> Raster {
 fn recipe(radius: f64, lobe: f64) -> Recipe {
     let mut recipe = Recipe::default();
     (recipe.light.radius, recipe.plate.lobe) = (radius, lobe);
-    recipe.plate.surface = Some(SurfaceKind::Flat);
+    recipe.plate.surface = Some(SurfaceKind::Facets);
     recipe.verify.rays = 500_000;
     recipe
 }
@@ -62,7 +62,7 @@ fn the_sun_does_not_harm_and_a_sheet_is_sharpened_too() {
     let [(plain, _), (sharp, _)] = compared(&recipe(0.2665, 0.0));
     assert!(sharp < plain + 0.0005, "{plain} {sharp}");
     let mut sheet = recipe(0.0, 0.7);
-    sheet.plate.surface = Some(SurfaceKind::Continuous);
+    sheet.plate.surface = Some(SurfaceKind::Sheet);
     sheet.plate.grid = Some(128);
     let [(plain, _), (sharp, _)] = compared(&sheet);
     assert!(sharp < 0.65 * plain, "{plain} {sharp}");
@@ -83,7 +83,7 @@ fn slanted_light_on_a_screen_is_sharpened_too_on_a_levelled_plate() {
 #[test]
 fn windows_of_a_sheet_are_seen_through_lamp_and_metal() {
     let mut sheet = recipe(0.5, 0.7);
-    sheet.plate.surface = Some(SurfaceKind::Continuous);
+    sheet.plate.surface = Some(SurfaceKind::Sheet);
     sheet.plate.grid = Some(128);
     let proof = prove(&sheet, &ring(), &made(&sheet), &Progress::silent()).unwrap();
     let (whole, cell) = (proof.verdict.main().tv_incident.value, proof.sheet.unwrap().windows.cell.mean);
@@ -98,7 +98,7 @@ fn without_disc_and_lobe_not_a_bit_changes() {
     assert_eq!(made.sharpening, None);
     let setup: Setup = recipe.setup();
     let highlight = Highlight::new(&ring(), recipe.highlight.quantity, &setup).unwrap();
-    let drawn = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0).unwrap();
+    let drawn = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0).unwrap();
     assert_eq!(made.distribution, drawn);
     assert!(recipe.metal().is_mirror());
 }

@@ -27,7 +27,7 @@ use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurface;
 use facetmill::trace::path::{Fate, Follower};
-use facetmill::trace::plate::Plate;
+use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::wasserstein::exact_w1;
 use glam::{DVec2, DVec3};
@@ -73,8 +73,8 @@ fn redesigned(directory: &Path) -> Result<(Recipe, Design), Box<dyn Error>> {
 /// `mesh` its triangles; `measure` is the highlight image with plain rays and all tallies, of a lamp of next to no size.
 fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
     let mesh = read_stl(&mut File::open(directory.join("plate.stl"))?)?;
-    let (plate, finding) = timed(|| Plate::new(&mesh, 0.0));
-    let Plate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
+    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0));
+    let TracedPlate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
     let (escaped, by_grid) = timed(|| trace(&grid, side));
     let setup = Setup::new(0.0, 0.0, 1e-9, Projection::Orthographic, 0.35);
     let measuring = Measuring { rays: (side * side) as u64, ..Measuring::default() };
@@ -93,8 +93,8 @@ fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
 /// own measurement, rays doubled until it does.
 fn noise_of(directory: &Path) -> Result<Value, Box<dyn Error>> {
     let mesh = read_stl(&mut File::open(directory.join("plate.stl"))?)?;
-    let (plate, finding) = timed(|| Plate::new(&mesh, 0.0));
-    let Plate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
+    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0));
+    let TracedPlate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
     let setup = Setup::new(0.0, 0.0, 0.0, Projection::Orthographic, f64::to_radians(20.0));
     let measuring = Measuring { rays: 1000, error: Some(0.002), ..Measuring::default() };
     let (measured, seconds) = timed(|| measure(&Experiment::new(&grid, &setup), &measuring, &Progress::silent()));

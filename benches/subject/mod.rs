@@ -1,6 +1,6 @@
 //! What all benches work on: the portrait of the examples under plain settings.
 
-use facetmill::distribution::{Distribution, DistributionSettings};
+use facetmill::distribution::{SlopeDistribution, SlopeDistributionSettings};
 use facetmill::facets::SlopeGrid;
 use facetmill::facets::heights::least_squares;
 use facetmill::facets::sample::{Sampling, sample};
@@ -26,10 +26,10 @@ pub fn light() -> Raster {
 }
 
 /// The slopes that show the portrait.
-pub fn distribution() -> Distribution {
+pub fn distribution() -> SlopeDistribution {
     let setup = setup();
     let highlight = Highlight::new(&light(), Quantity::Radiance, &setup).unwrap();
-    Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap()
+    SlopeDistribution::new(&highlight, &setup, &SlopeDistributionSettings::default(), |_| 1.0).unwrap()
 }
 
 /// `n` slopes of the portrait, quickly drawn, in no order.

@@ -118,7 +118,7 @@ fn lobe_albedo(lobe: &Lobe, eta: f64, wi: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::microfacet::Distribution;
+    use super::super::microfacet::MicrofacetDistribution;
     use super::*;
 
     #[test]
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn white_pigment_returns_all_that_enters() {
-        let rough = Lobe::new(Distribution::Ggx, 0.3, 0.1).unwrap();
+        let rough = Lobe::new(MicrofacetDistribution::Ggx, 0.3, 0.1).unwrap();
         for lobe in [None, Some(&rough)] {
             let coat = Coat::new(1.0, 1.5, lobe);
             assert!((coat.inner - 1.0).abs() < 1e-12);

@@ -296,7 +296,7 @@ pub enum MaterialError {
     NotANumber(String),
     /// Neither GGX nor Beckmann.
     #[error("'{0}' is not a kind of roughness; use ggx or beckmann, as in brass:ggx:0.2")]
-    Distribution(String),
+    MicrofacetDistribution(String),
     /// Something after the end.
     #[error("'{0}' is one part too many in a material; write as in brass:ggx:0.2")]
     TooMuch(String),

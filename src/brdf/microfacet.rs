@@ -22,14 +22,14 @@ const INV_SQRT_PI: f64 = 0.5 * FRAC_2_SQRT_PI;
 
 /// The law of the facets' slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Distribution {
+pub enum MicrofacetDistribution {
     /// Trowbridge-Reitz, with a long tail. Walter et al., EGSR 2007.
     Ggx,
     /// Gaussian slopes. Beckmann & Spizzichino 1963.
     Beckmann,
 }
 
-impl Distribution {
+impl MicrofacetDistribution {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Ggx, Self::Beckmann];
 
@@ -50,7 +50,7 @@ impl Distribution {
 /// A rough surface: the law of its slopes and how wide it is along x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lobe {
-    distribution: Distribution,
+    distribution: MicrofacetDistribution,
     alpha_x: f64,
     alpha_y: f64,
 }
@@ -63,7 +63,7 @@ impl Lobe {
     ///
     /// # Errors
     /// When a roughness is outside [`Self::ALPHA`].
-    pub fn new(distribution: Distribution, alpha_x: f64, alpha_y: f64) -> Result<Self, LobeError> {
+    pub fn new(distribution: MicrofacetDistribution, alpha_x: f64, alpha_y: f64) -> Result<Self, LobeError> {
         for alpha in [alpha_x, alpha_y] {
             if !Self::ALPHA.contains(&alpha) {
                 return Err(LobeError::Roughness(alpha));
@@ -78,11 +78,11 @@ impl Lobe {
     /// When a roughness is outside [`Self::ALPHA`].
     pub fn beckmann_of_rms(slope_x: f64, slope_y: f64) -> Result<Self, LobeError> {
         let root2 = std::f64::consts::SQRT_2;
-        Self::new(Distribution::Beckmann, root2 * slope_x, root2 * slope_y)
+        Self::new(MicrofacetDistribution::Beckmann, root2 * slope_x, root2 * slope_y)
     }
 
     /// The law of the slopes.
-    pub const fn distribution(&self) -> Distribution {
+    pub const fn distribution(&self) -> MicrofacetDistribution {
         self.distribution
     }
 
@@ -101,8 +101,8 @@ impl Lobe {
         let bent = (m.x / self.alpha_x).powi(2) + (m.y / self.alpha_y).powi(2);
         let area = PI * self.alpha_x * self.alpha_y;
         match self.distribution {
-            Distribution::Ggx => 1.0 / (area * (bent + m.z * m.z).powi(2)),
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Ggx => 1.0 / (area * (bent + m.z * m.z).powi(2)),
+            MicrofacetDistribution::Beckmann => {
                 let z2 = m.z * m.z;
                 let fall = (-bent / z2).exp();
                 if fall > 0.0 { fall / (area * z2 * z2) } else { 0.0 }
@@ -117,8 +117,8 @@ impl Lobe {
     pub fn seen_area(&self, v: DVec3) -> f64 {
         let wide2 = (self.alpha_x * v.x).powi(2) + (self.alpha_y * v.y).powi(2);
         match self.distribution {
-            Distribution::Ggx => 0.5 * (v.z + (v.z * v.z + wide2).sqrt()),
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Ggx => 0.5 * (v.z + (v.z * v.z + wide2).sqrt()),
+            MicrofacetDistribution::Beckmann => {
                 let wide = wide2.sqrt();
                 if wide == 0.0 {
                     return v.z.max(0.0);
@@ -178,7 +178,7 @@ impl Lobe {
         let (ax, ay) = (self.alpha_x, self.alpha_y);
         let v = DVec3::new(ax * wi.x, ay * wi.y, wi.z).normalize();
         match self.distribution {
-            Distribution::Ggx => {
+            MicrofacetDistribution::Ggx => {
                 let (sin, cos) = (2.0 * PI * u[0]).sin_cos();
                 // Height of the half vector; nearer to zero its sides would be differences of rounding errors.
                 let rise = (1.0 - u[1]).max(1e-12) * (1.0 + v.z);
@@ -186,7 +186,7 @@ impl Lobe {
                 let r = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
                 DVec3::new(ax * (r * cos + v.x), ay * (r * sin + v.y), rise).normalize()
             }
-            Distribution::Beckmann => {
+            MicrofacetDistribution::Beckmann => {
                 let across = (v.x * v.x + v.y * v.y).sqrt();
                 let (cos, sin) = if across > 0.0 { (v.x / across, v.y / across) } else { (1.0, 0.0) };
                 let along = visible_gaussian_slope(v.z, across, u[0]);

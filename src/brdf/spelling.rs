@@ -5,7 +5,7 @@ use std::str::{FromStr, Split};
 
 use super::material::{Material, MaterialError, Substance};
 use super::metals::Metal;
-use super::microfacet::{Distribution, Lobe};
+use super::microfacet::{Lobe, MicrofacetDistribution};
 
 impl Material {
     /// What a material may be written as, for help texts and error messages.
@@ -75,7 +75,8 @@ fn substance(parts: &mut Split<'_, char>) -> Result<Substance, MaterialError> {
 }
 
 fn lobe(law: &str, alphas: Option<&str>) -> Result<Lobe, MaterialError> {
-    let distribution = Distribution::named(law).ok_or_else(|| MaterialError::Distribution(law.to_owned()))?;
+    let distribution =
+        MicrofacetDistribution::named(law).ok_or_else(|| MaterialError::MicrofacetDistribution(law.to_owned()))?;
     let alphas = alphas.filter(|text| !text.is_empty()).map(numbers).transpose()?.unwrap_or_default();
     match alphas[..] {
         [alpha] => Ok(Lobe::new(distribution, alpha, alpha)?),

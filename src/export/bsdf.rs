@@ -36,7 +36,7 @@ use std::io::{self, Write};
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::bsdf_fit::Fit;
+use super::bsdf_fit::GridFit;
 use super::bsdf_warp::Warp;
 use crate::slope::mirror;
 use crate::verify::goniometer::table::{BrdfAxes, BrdfTable};
@@ -128,23 +128,23 @@ pub fn write_bsdf(colour: BsdfColour, settings: &BsdfSettings, out: &mut impl Wr
     let gathered = |part: &dyn Fn(&Slice) -> Vec<f32>| order.iter().flat_map(|&k| part(&slices[k])).collect();
     let floats = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<f32>>();
     let mut fields = vec![
-        Field::bytes("description", settings.description.as_bytes()),
-        Field::bytes("jacobian", &[1]),
-        Field::floats("theta_i", &[angles[1]], floats(axes.theta_i())),
-        Field::floats("phi_i", &[angles[0]], floats(&phi_i)),
-        Field::floats("ndf", &nodes, floats(&normals.density)),
-        Field::floats("sigma", &[sigma.rows, SIGMA_NODES], floats(&sigma.values)),
-        Field::floats("vndf", &[angles[0], angles[1], nodes[0], nodes[1]], gathered(&|s| s.vndf.clone())),
-        Field::floats("luminance", &[angles[0], angles[1], n, n], gathered(&|s| s.luminance.clone())),
+        Tensor::bytes("description", settings.description.as_bytes()),
+        Tensor::bytes("jacobian", &[1]),
+        Tensor::floats("theta_i", &[angles[1]], floats(axes.theta_i())),
+        Tensor::floats("phi_i", &[angles[0]], floats(&phi_i)),
+        Tensor::floats("ndf", &nodes, floats(&normals.density)),
+        Tensor::floats("sigma", &[sigma.rows, SIGMA_NODES], floats(&sigma.values)),
+        Tensor::floats("vndf", &[angles[0], angles[1], nodes[0], nodes[1]], gathered(&|s| s.vndf.clone())),
+        Tensor::floats("luminance", &[angles[0], angles[1], n, n], gathered(&|s| s.luminance.clone())),
     ];
     let coloured = gathered(&|s| channels.iter().flat_map(|&c| s.colour[c].iter().copied()).collect());
     let shape = [angles[0], angles[1], channels.len(), n, n];
     if let BsdfColour::Spectral(list) = colour {
         let wavelengths: Vec<f64> = list.iter().map(|(nm, _)| *nm).collect();
-        fields.push(Field::floats("wavelengths", &[list.len()], floats(&wavelengths)));
-        fields.push(Field::floats("spectra", &shape, coloured));
+        fields.push(Tensor::floats("wavelengths", &[list.len()], floats(&wavelengths)));
+        fields.push(Tensor::floats("spectra", &shape, coloured));
     } else {
-        fields.push(Field::floats("rgb", &shape, coloured));
+        fields.push(Tensor::floats("rgb", &shape, coloured));
     }
     write_tensors(&fields, out)?;
     Ok(())
@@ -259,7 +259,7 @@ impl<'a> Normals<'a> {
             })
             .collect();
         let warp = Warp::new(&vndf, columns);
-        let fit = Fit::new(samples);
+        let fit = GridFit::new(samples);
         let places = fit.places(|s1, s2| warp.sample(s1, s2));
         let colour: Vec<Vec<f32>> = tables
             .iter()
@@ -367,7 +367,7 @@ fn corner_values(tables: &[&BrdfTable], weights: &[f64], slice: usize) -> Vec<f6
 }
 
 /// One named array of a tensor file.
-struct Field {
+struct Tensor {
     name: &'static str,
     shape: Vec<u64>,
     /// 1: bytes, 10: 32-bit floats, as Mitsuba numbers its types.
@@ -375,7 +375,7 @@ struct Field {
     data: Vec<u8>,
 }
 
-impl Field {
+impl Tensor {
     fn bytes(name: &'static str, data: &[u8]) -> Self {
         Self { name, shape: vec![data.len() as u64], kind: 1, data: data.to_vec() }
     }
@@ -386,7 +386,7 @@ impl Field {
     }
 }
 
-fn write_tensors(fields: &[Field], out: &mut impl Write) -> io::Result<()> {
+fn write_tensors(fields: &[Tensor], out: &mut impl Write) -> io::Result<()> {
     let header: usize = fields.iter().map(|f| 2 + f.name.len() + 2 + 1 + 8 + 8 * f.shape.len()).sum();
     let aligned = |at: usize| at.next_multiple_of(8);
     let mut at = 12 + 2 + 4 + header;

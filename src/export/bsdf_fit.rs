@@ -8,7 +8,7 @@
 const POINTS: usize = 128;
 
 /// Least-squares fit of a bilinear surface over the unit square.
-pub(super) struct Fit {
+pub(super) struct GridFit {
     /// Nodes a side.
     side: usize,
     /// Points between two nodes.
@@ -17,7 +17,7 @@ pub(super) struct Fit {
     pivots: Vec<(f64, f64)>,
 }
 
-impl Fit {
+impl GridFit {
     /// For `side` × `side` nodes, 2 or more.
     pub(super) fn new(side: usize) -> Self {
         let points = POINTS.div_ceil(side - 1).max(2);
@@ -97,7 +97,7 @@ mod tests {
     fn what_is_bilinear_between_nodes_comes_back() {
         for side in [2, 3, 17, 40] {
             let wanted: Vec<f64> = (0..side * side).map(|k| f64::from(k as u32 * 7919 % 101) - 50.0).collect();
-            let fit = Fit::new(side);
+            let fit = GridFit::new(side);
             let values = fit.places(|s, t| {
                 let (x, y) = (s * (side - 1) as f64, t * (side - 1) as f64);
                 let near = |a: f64, node: usize| (1.0 - (a - node as f64).abs()).max(0.0);
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn noise_shrinks_as_points_are_many() {
-        let fit = Fit::new(17);
+        let fit = GridFit::new(17);
         let mut state = 1u64;
         let values: Vec<f64> = fit
             .places(|_, _| ())

@@ -18,7 +18,7 @@ const LIMITS: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 
 /// What is to be compared, and what is to be said about it.
 #[derive(Clone, Copy, Debug)]
-pub struct Comparison<'a> {
+pub struct ComparisonPage<'a> {
     /// The wanted highlight, flux per pixel.
     pub target: &'a Raster,
     /// What the plate gives, flux per pixel in the same unit; resampled to the target's size if it has another.
@@ -31,7 +31,7 @@ pub struct Comparison<'a> {
     pub captions: &'a Captions,
 }
 
-/// The words of a [`Comparison`]; any may be empty. What is too long is set smaller, then cut off.
+/// The words of a [`ComparisonPage`]; any may be empty. What is too long is set smaller, then cut off.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Captions {
     /// Over all; leave empty to do without.
@@ -55,7 +55,7 @@ impl Default for Captions {
     }
 }
 
-impl Comparison<'_> {
+impl ComparisonPage<'_> {
     /// Draws the comparison; panels are 384 to 768 pixels wide, a whole multiple or part of the target's own pixels.
     ///
     /// Target and simulation share one white, see [`common_white`]. The difference is simulated minus target in
@@ -298,7 +298,7 @@ mod tests {
     }
 
     fn picture(target: &Raster, simulated: &Raster, view: &View, captions: &Captions) -> RgbImage {
-        Comparison { target, simulated, view, blur: 0.01, captions }.picture()
+        ComparisonPage { target, simulated, view, blur: 0.01, captions }.picture()
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub mod comparison;
 
 pub mod float_tiff;
 
-pub mod sights;
+pub mod rendered_view;
 
 pub mod heightmap;
 

@@ -1,4 +1,4 @@
-//! The continuous relief as a closed body: its own triangles, a flat rim if wanted, sides and a flat base.
+//! The sheet as a closed body: its own triangles, a flat rim if wanted, sides and a flat base.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -129,7 +129,7 @@ fn fan(mesh: &mut Mesh, rim: &[u32], middle: [f32; 3]) {
     mesh.triangles.extend((0..rim.len()).map(|k| [hub, rim[(k + 1) % rim.len()], rim[k]]));
 }
 
-/// Why a continuous relief has no solid body.
+/// Why a sheet has no solid body.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SheetError {
     /// A height is infinite or not a number.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Fit, Reading};
+use super::{PictureFit, Reading};
 use crate::raster::Raster;
 
 /// Less light than this may leave the field without a note.
@@ -13,13 +13,13 @@ pub fn place(light: Raster, reading: &Reading, notes: &mut Vec<String>) -> Raste
     let (width, height) = (light.width, light.height);
     if width != height {
         notes.push(match reading.fit {
-            Fit::Pad => format!("The picture is {width} x {height}: it was padded with black to a square."),
-            Fit::Crop => format!("The picture is {width} x {height}: it was cropped to a square."),
-            Fit::Stretch => format!("The picture is {width} x {height}: it was stretched to a square."),
+            PictureFit::Pad => format!("The picture is {width} x {height}: it was padded with black to a square."),
+            PictureFit::Crop => format!("The picture is {width} x {height}: it was cropped to a square."),
+            PictureFit::Stretch => format!("The picture is {width} x {height}: it was stretched to a square."),
         });
     }
     // Stretched first: turning by an odd angle and stretching after would shear the drawing.
-    let light = if reading.fit == Fit::Stretch { stretched(light) } else { light };
+    let light = if reading.fit == PictureFit::Stretch { stretched(light) } else { light };
     let total = light.sum();
     let (mut light, kept) = match Turn::by(reading.rotate) {
         Turn::Quarters(quarters) => {
@@ -59,10 +59,10 @@ impl Turn {
 }
 
 /// Side of the field in pixels of the picture.
-fn side(light: &Raster, fit: Fit) -> usize {
+fn side(light: &Raster, fit: PictureFit) -> usize {
     match fit {
-        Fit::Pad | Fit::Stretch => light.width.max(light.height),
-        Fit::Crop => light.width.min(light.height),
+        PictureFit::Pad | PictureFit::Stretch => light.width.max(light.height),
+        PictureFit::Crop => light.width.min(light.height),
     }
 }
 
@@ -71,7 +71,7 @@ fn stretched(light: Raster) -> Raster {
     if light.width == light.height {
         return light;
     }
-    let n = side(&light, Fit::Stretch);
+    let n = side(&light, PictureFit::Stretch);
     let grown = (n * n) as f64 / (light.width * light.height) as f64;
     light.resampled(n, n).scaled(grown)
 }
@@ -88,7 +88,7 @@ fn quarter_turned(light: Raster, quarters: usize) -> Raster {
 }
 
 /// The square about the middle, black where the picture does not reach.
-fn framed(light: Raster, fit: Fit) -> Raster {
+fn framed(light: Raster, fit: PictureFit) -> Raster {
     let (w, h) = (light.width, light.height);
     if w == h {
         return light;
@@ -97,16 +97,18 @@ fn framed(light: Raster, fit: Fit) -> Raster {
     // How far the picture begins inside the field (Pad) or the field inside the picture (Crop).
     let (right, down) = (n.abs_diff(w) / 2, n.abs_diff(h) / 2);
     match fit {
-        Fit::Crop => Raster::from_fn(n, n, |x, y| light.at(x + right, y + down)),
-        Fit::Pad | Fit::Stretch => Raster::from_fn(n, n, |x, y| match (x.checked_sub(right), y.checked_sub(down)) {
-            (Some(x), Some(y)) if x < w && y < h => light.at(x, y),
-            _ => 0.0,
-        }),
+        PictureFit::Crop => Raster::from_fn(n, n, |x, y| light.at(x + right, y + down)),
+        PictureFit::Pad | PictureFit::Stretch => {
+            Raster::from_fn(n, n, |x, y| match (x.checked_sub(right), y.checked_sub(down)) {
+                (Some(x), Some(y)) if x < w && y < h => light.at(x, y),
+                _ => 0.0,
+            })
+        }
     }
 }
 
 /// Turned about its middle by `angle` and cut to the field; also the light that stays inside.
-fn turned(light: &Raster, angle: f64, fit: Fit) -> (Raster, f64) {
+fn turned(light: &Raster, angle: f64, fit: PictureFit) -> (Raster, f64) {
     let n = side(light, fit);
     let (sine, cosine) = angle.sin_cos();
     let (w, h, half) = (light.width as f64, light.height as f64, n as f64 / 2.0);
@@ -154,7 +156,7 @@ mod tests {
     use super::*;
 
     const PLAIN: Reading =
-        Reading { encoding: Encoding::Auto, invert: false, rotate: 0.0, fit: Fit::Pad, mirrored: false };
+        Reading { encoding: Encoding::Auto, invert: false, rotate: 0.0, fit: PictureFit::Pad, mirrored: false };
 
     fn read(light: &Raster, reading: Reading) -> Picture {
         from_raster(light.clone(), &reading).unwrap()
@@ -189,7 +191,7 @@ mod tests {
     #[test]
     fn a_plain_square_keeps_every_bit() {
         let light = Raster::from_fn(7, 7, |x, y| 1.0 / (1 + x + 7 * y) as f64);
-        for fit in [Fit::Pad, Fit::Crop, Fit::Stretch] {
+        for fit in [PictureFit::Pad, PictureFit::Crop, PictureFit::Stretch] {
             for rotate in [0.0, 360.0, -720.0] {
                 let picture = read(&light, Reading { fit, rotate, ..PLAIN });
                 assert_eq!(picture.light, light);
@@ -273,7 +275,7 @@ mod tests {
 
     #[test]
     fn cropping_keeps_the_middle_and_confesses_the_rest() {
-        let crop = Reading { fit: Fit::Crop, ..PLAIN };
+        let crop = Reading { fit: PictureFit::Crop, ..PLAIN };
         let picture = read(&numbered(4, 2), crop);
         assert_eq!(picture.light.values, [2.0, 3.0, 6.0, 7.0]);
         assert!(picture.notes.iter().any(|n| n.starts_with("50.0 %")), "{:?}", picture.notes);
@@ -288,7 +290,7 @@ mod tests {
 
     #[test]
     fn stretching_keeps_brightness_and_proportions_of_light() {
-        let stretch = Reading { fit: Fit::Stretch, ..PLAIN };
+        let stretch = Reading { fit: PictureFit::Stretch, ..PLAIN };
         let flat = read(&Raster::from_fn(6, 4, |_, _| 0.7), stretch).light;
         assert!(flat.width == 6 && flat.height == 6 && flat.values.iter().all(|v| (v - 0.7).abs() < 1e-12));
         let doubled = read(&numbered(4, 2), stretch).light;

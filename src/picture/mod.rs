@@ -14,7 +14,7 @@
 //!    opacity itself is taken as the light, and a note says so.
 //! 4. **Rotate** counter-clockwise about the picture's centre: exactly for quarter turns, bilinearly otherwise. The
 //!    scale never changes, so corners can leave the field; a note says how much light left with them.
-//! 5. **Fit** to the square field, see [`Fit`].
+//! 5. **Fit** to the square field, see [`PictureFit`].
 //! 6. **Mirror**, if asked. Last, so that rotating means the same to someone who looks at a wall.
 //!
 //! A square picture that is neither rotated nor inverted is never resampled: what is designed, traced and scored is
@@ -56,7 +56,7 @@ pub enum Encoding {
 /// How a picture that is not square fills the square field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Fit {
+pub enum PictureFit {
     /// The longer side fills the field, the rest is black. Pixel values stay as they are; where the bars cannot be
     /// equal, the right or the lower one is a pixel wider.
     #[default]
@@ -79,7 +79,7 @@ pub struct Reading {
     /// Turns the drawing counter-clockwise as its viewer sees it, degrees.
     pub rotate: f64,
     /// How it fills the square field.
-    pub fit: Fit,
+    pub fit: PictureFit,
     /// Flips u after everything else: for a highlight drawn as it shall appear on a wall (`--seen on-wall`).
     pub mirrored: bool,
 }

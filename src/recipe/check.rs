@@ -1,12 +1,12 @@
 //! Which recipes can be made at all.
 
 use super::{Recipe, SurfaceKind};
-use crate::sculpt::milled_plate::least_diameter;
+use crate::sculpt::milled_facets::least_diameter;
 
 /// Facets on one plate at the most.
 const MOST_FACETS: usize = 4_000_000;
 
-/// Nodes along a side of a continuous relief's cell.
+/// Nodes along a side of a sheet's cell.
 const LEAST_GRID: usize = 16;
 const MOST_GRID: usize = 4096;
 
@@ -34,7 +34,7 @@ impl Recipe {
         within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
         within("max-triangles", self.most_triangles() as f64, 1000.0, 2e8)?;
         within("for-cutter", self.design.cutter.map_or(1.0, |c| c.diameter), 1e-3, 100.0)?;
-        within("levelling", self.design.levelling, 0.0, 100.0)?;
+        within("polish", self.design.polish, 0.0, 100.0)?;
         within("min-feature", self.design.min_feature, 0.0, 100.0)?;
         within("max-depth", self.design.max_depth.unwrap_or(1.0), 1e-4, 1000.0)?;
         within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
@@ -45,8 +45,8 @@ impl Recipe {
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
         self.check_kind()?;
-        if self.surface() == SurfaceKind::Continuous {
-            return self.check_continuous();
+        if self.surface() == SurfaceKind::Sheet {
+            return self.check_sheet();
         }
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
@@ -74,7 +74,7 @@ impl Recipe {
         }
     }
 
-    fn check_continuous(&self) -> Result<(), RecipeError> {
+    fn check_sheet(&self) -> Result<(), RecipeError> {
         let sculpting = self.sculpting();
         let (cell, grid) = (sculpting.cell, sculpting.grid);
         if !grid.is_multiple_of(2) {
@@ -92,9 +92,9 @@ impl Recipe {
         if let Some(cutter) = self.design.cutter.filter(|c| c.diameter > cell.min_element()) {
             return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter, cell: cell.min_element() });
         }
-        let (levelling, cell) = (self.design.levelling, cell.min_element());
-        if levelling >= 0.25 * cell {
-            return Err(RecipeError::LevellingBeyondCell { levelling, cell });
+        let (polish, cell) = (self.design.polish, cell.min_element());
+        if polish >= 0.25 * cell {
+            return Err(RecipeError::PolishBeyondCell { polish, cell });
         }
         Ok(())
     }
@@ -209,11 +209,11 @@ pub enum RecipeError {
     },
     /// Polish that leaves nothing.
     #[error(
-        "a levelling of {levelling} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --levelling or fewer --cells"
+        "a polish of {polish} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --polish or fewer --cells"
     )]
-    LevellingBeyondCell {
+    PolishBeyondCell {
         /// Standard deviation, mm.
-        levelling: f64,
+        polish: f64,
         /// Shorter side of a cell, mm.
         cell: f64,
     },
@@ -225,8 +225,8 @@ fn fewer(most: usize) -> String {
 
 fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
     match kind {
-        SurfaceKind::Flat => format!("a continuous relief, and --{decisive} makes this plate one of flat facets"),
-        SurfaceKind::Continuous => format!("flat facets, and --{decisive} makes this plate a continuous relief"),
+        SurfaceKind::Facets => format!("a sheet, and --{decisive} makes this plate one of flat facets"),
+        SurfaceKind::Sheet => format!("flat facets, and --{decisive} makes this plate a sheet"),
     }
 }
 
@@ -284,7 +284,7 @@ mod tests {
         );
         let flat = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
-            recipe.plate.surface = Some(SurfaceKind::Flat);
+            recipe.plate.surface = Some(SurfaceKind::Facets);
             assert_eq!(recipe.check(), Ok(()));
             change(&mut recipe);
             recipe.check().unwrap_err()
@@ -297,12 +297,12 @@ mod tests {
         assert!(error.to_string().contains("0.075 mm or more"), "{error}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
-        assert_eq!(named(refused(|r| r.design.levelling = f64::NAN)), "levelling");
+        assert_eq!(named(refused(|r| r.design.polish = f64::NAN)), "polish");
         assert_eq!(named(refused(|r| r.design.max_depth = Some(0.0))), "max-depth");
         assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter { diameter: f64::NAN }))), "for-cutter");
         let continuous = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
-            recipe.plate.surface = Some(SurfaceKind::Continuous);
+            recipe.plate.surface = Some(SurfaceKind::Sheet);
             assert_eq!(recipe.check(), Ok(()));
             change(&mut recipe);
             recipe.check().unwrap_err()
@@ -315,6 +315,6 @@ mod tests {
         let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
         assert!(many.contains("fewer --cells"), "{many}");
         assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
-        assert!(continuous(|r| r.design.levelling = 2.5).is_impossible());
+        assert!(continuous(|r| r.design.polish = 2.5).is_impossible());
     }
 }

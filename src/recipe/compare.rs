@@ -1,4 +1,4 @@
-//! A continuous relief beside the flat facets that the same recipe would make: which of the two puts more light right.
+//! A sheet beside the flat facets that the same recipe would make: which of the two puts more light right.
 
 use super::proof::{Proof, send_over_milled_facets};
 use super::run::{Design, DesignError, design};
@@ -6,7 +6,7 @@ use super::{Recipe, SurfaceKind};
 use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::trace::grid::GridSurface;
-use crate::trace::plate::Task;
+use crate::trace::traced_plate::Task;
 use crate::verify::measure::{Measuring, Mirrored};
 use crate::verify::score::blurred_scores;
 use crate::verify::verdict::MAIN_BLUR;
@@ -26,9 +26,9 @@ pub struct Score {
     pub ssim: f64,
 }
 
-/// A continuous relief and flat facets, both as milled if a cutter is named.
+/// A sheet and flat facets, both as milled if a cutter is named.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Comparison {
+pub struct FacetComparison {
     /// Facets along x and y.
     pub facets: [usize; 2],
     /// What they reach.
@@ -39,7 +39,7 @@ pub struct Comparison {
     pub milled: bool,
 }
 
-impl Comparison {
+impl FacetComparison {
     /// Whether the facets misplace clearly less light: for less than a tenth nobody wants their steps, and rays
     /// have their noise.
     pub fn facets_are_better(&self) -> bool {
@@ -56,8 +56,8 @@ pub fn beside_facets(
     plate: &Design,
     proof: &Proof,
     progress: &Progress,
-) -> Option<Comparison> {
-    if plate.sculpture.is_none() || recipe.design.levelling > 0.0 {
+) -> Option<FacetComparison> {
+    if plate.sheet.is_none() || recipe.design.polish > 0.0 {
         return None;
     }
     progress.stage("comparing with flat facets");
@@ -65,12 +65,12 @@ pub fn beside_facets(
     let flat = scored(&recipe, light, proof, progress).ok().flatten()?;
     let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
     let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
-    Some(Comparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() })
+    Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() })
 }
 
 /// The same recipe for flat facets, in one dome: the best that facets can do.
 pub fn of_facets(recipe: &Recipe) -> Recipe {
-    let mut recipe = recipe.clone().only_for(SurfaceKind::Flat);
+    let mut recipe = recipe.clone().only_for(SurfaceKind::Facets);
     recipe.plate.cells = None;
     recipe
 }

@@ -1,4 +1,4 @@
-//! The cutter that a plate is proved for, and a continuous relief designed for, written as on the command line: `ball:0.5`.
+//! The cutter that a plate is proved for, and a sheet designed for, written as on the command line: `ball:0.5`.
 
 use std::fmt;
 use std::str::FromStr;

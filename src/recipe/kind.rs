@@ -9,17 +9,19 @@ use super::{Recipe, RecipeError};
 #[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
     /// Planar facets, as in the 2009 paper.
-    Flat,
+    #[serde(rename = "facets", alias = "flat")]
+    Facets,
     /// One sheet without steps, periodic in its cells.
-    Continuous,
+    #[serde(rename = "sheet", alias = "continuous")]
+    Sheet,
 }
 
 impl Recipe {
     /// The kind of relief: as asked; else facets where a setting asks for them, and one sheet where none does.
     pub fn surface(&self) -> SurfaceKind {
         self.plate.surface.unwrap_or(match given(&self.only_of_facets()) {
-            Some(_) => SurfaceKind::Flat,
-            None => SurfaceKind::Continuous,
+            Some(_) => SurfaceKind::Facets,
+            None => SurfaceKind::Sheet,
         })
     }
 
@@ -33,15 +35,13 @@ impl Recipe {
     /// Why the relief is of its kind, in a sentence for the report.
     pub fn why_this_surface(&self) -> String {
         match (self.plate.surface, given(&self.only_of_facets())) {
-            (Some(SurfaceKind::Flat), _) => "flat: as --surface asks".into(),
-            (Some(SurfaceKind::Continuous), _) => "continuous: as --surface asks".into(),
-            (None, Some(setting)) => format!("flat: --{setting} asks for facets"),
+            (Some(SurfaceKind::Facets), _) => "facets: as --surface asks".into(),
+            (Some(SurfaceKind::Sheet), _) => "sheet: as --surface asks".into(),
+            (None, Some(setting)) => format!("facets: --{setting} asks for facets"),
             // Measured on photographs, logos and a word; README.md has the figures.
-            (None, None) => {
-                "continuous: nothing asked for facets; 900 of them misplace 1.1 to 14 times as much light at \
+            (None, None) => "sheet: nothing asked for facets; 900 of them misplace 1.1 to 14 times as much light at \
                              a blur of 1°, 2.8 to 38 times as much once a ball of 0.5 mm has cut them"
-                    .into()
-            }
+                .into(),
         }
     }
 
@@ -50,11 +50,11 @@ impl Recipe {
         let (plate, design) = (&mut self.plate, &mut self.design);
         plate.surface = Some(kind);
         match kind {
-            SurfaceKind::Flat => {
+            SurfaceKind::Facets => {
                 (plate.grid, plate.max_triangles) = (None, None);
-                (design.levelling, design.min_feature, design.max_depth) = (0.0, 0.0, None);
+                (design.polish, design.min_feature, design.max_depth) = (0.0, 0.0, None);
             }
-            SurfaceKind::Continuous => {
+            SurfaceKind::Sheet => {
                 plate.facets = None;
                 (design.sample, design.arrange, design.heights, design.annealing) = (None, None, None, None);
             }
@@ -66,8 +66,8 @@ impl Recipe {
     pub(super) fn check_kind(&self) -> Result<(), RecipeError> {
         let kind = self.surface();
         let foreign = match kind {
-            SurfaceKind::Flat => given(&self.only_of_sheets()),
-            SurfaceKind::Continuous => given(&self.only_of_facets()),
+            SurfaceKind::Facets => given(&self.only_of_sheets()),
+            SurfaceKind::Sheet => given(&self.only_of_facets()),
         };
         let decisive = || self.plate.surface.map_or_else(|| given(&self.only_of_facets()), |_| Some("surface"));
         match (foreign, decisive()) {
@@ -90,7 +90,7 @@ impl Recipe {
         [
             ("grid", self.plate.grid.is_some()),
             ("max-triangles", self.plate.max_triangles.is_some()),
-            ("levelling", self.design.levelling != 0.0),
+            ("polish", self.design.polish != 0.0),
             ("min-feature", self.design.min_feature != 0.0),
             ("max-depth", self.design.max_depth.is_some()),
         ]
@@ -112,17 +112,17 @@ mod tests {
 
     #[test]
     fn facets_are_made_where_something_asks_for_them() {
-        use SurfaceKind::{Continuous, Flat};
+        use SurfaceKind::{Facets, Sheet};
         for (text, kind, why) in [
-            ("", Continuous, "nothing asked"),
-            ("[plate]\ncells = 2\n[design]\ncutter = 'ball:1'\n", Continuous, "nothing asked"),
-            ("[plate]\nsurface = 'flat'\n", Flat, "--surface"),
-            ("[plate]\nsurface = 'continuous'\n", Continuous, "--surface"),
-            ("[plate]\nfacets = [30, 30]\n", Flat, "--facets"),
-            ("[design]\nsample = 'sobol'\n", Flat, "--sample"),
-            ("[design]\narrange = 'transport'\n", Flat, "--arrange"),
-            ("[design]\nheights = 'free'\n", Flat, "--heights"),
-            ("[design.annealing]\nswaps = 5\n", Flat, "--annealing"),
+            ("", Sheet, "nothing asked"),
+            ("[plate]\ncells = 2\n[design]\ncutter = 'ball:1'\n", Sheet, "nothing asked"),
+            ("[plate]\nsurface = 'flat'\n", Facets, "--surface"),
+            ("[plate]\nsurface = 'continuous'\n", Sheet, "--surface"),
+            ("[plate]\nfacets = [30, 30]\n", Facets, "--facets"),
+            ("[design]\nsample = 'sobol'\n", Facets, "--sample"),
+            ("[design]\narrange = 'transport'\n", Facets, "--arrange"),
+            ("[design]\nheights = 'free'\n", Facets, "--heights"),
+            ("[design.annealing]\nswaps = 5\n", Facets, "--annealing"),
         ] {
             let recipe = from_toml(text);
             assert_eq!((recipe.surface(), recipe.check()), (kind, Ok(())), "{text}");
@@ -130,12 +130,12 @@ mod tests {
             assert!(recipe.why_this_surface().contains(why), "{text}: {}", recipe.why_this_surface());
             assert_eq!(from_toml(&recipe.to_toml()), recipe, "{text}");
         }
-        assert_eq!(Recipe::weyrich2009().surface(), Flat);
+        assert_eq!(Recipe::weyrich2009().surface(), Facets);
     }
 
     #[test]
     fn settings_of_the_other_kind_are_refused_unless_the_kind_is_changed_on_purpose() {
-        let sheets = ["[plate]\ngrid = 64", "[plate]\nmax-triangles = 3000000", "[design]\nlevelling = 0.1"]
+        let sheets = ["[plate]\ngrid = 64", "[plate]\nmax-triangles = 3000000", "[design]\npolish = 0.1"]
             .into_iter()
             .chain(["[design]\nmin-feature = 0.1", "[design]\nmax-depth = 1"]);
         for text in sheets {
@@ -153,15 +153,21 @@ mod tests {
                     said.starts_with(&format!("{setting} is ")) && said.contains(&format!("--{decisive}")),
                     "{said}"
                 );
-                assert_eq!(recipe.clone().only_for(SurfaceKind::Flat).check(), Ok(()));
-                let sheet = recipe.only_for(SurfaceKind::Continuous);
+                assert_eq!(recipe.clone().only_for(SurfaceKind::Facets).check(), Ok(()));
+                let sheet = recipe.only_for(SurfaceKind::Sheet);
                 assert_eq!((sheet.check(), sheet.plate.facets), (Ok(()), None), "{text}");
             }
         }
         for text in ["facets = [30, 30]", "[design]\nsample = 'voronoi'", "[design.annealing]\nstarts = 2"] {
             let recipe = from_toml(&format!("[plate]\nsurface = 'continuous'\n{text}"));
             assert!(matches!(recipe.check(), Err(RecipeError::OtherKind { decisive: "surface", .. })), "{text}");
-            assert_eq!(recipe.only_for(SurfaceKind::Flat).check(), Ok(()));
+            assert_eq!(recipe.only_for(SurfaceKind::Facets).check(), Ok(()));
         }
+    }
+    #[test]
+    fn words_of_earlier_versions_are_still_read() {
+        let old = from_toml("[plate]\nsurface = 'continuous'\n[design]\nlevelling = 0.03\n");
+        assert_eq!((old.surface(), old.design.polish), (SurfaceKind::Sheet, 0.03));
+        assert_eq!(from_toml("[plate]\nsurface = 'flat'\n").surface(), SurfaceKind::Facets);
     }
 }

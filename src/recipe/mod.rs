@@ -23,16 +23,16 @@ pub use kind::SurfaceKind;
 
 use crate::brdf::material::{Material, Substance};
 use crate::brdf::microfacet::Lobe;
-use crate::distribution::DistributionSettings;
+use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::{Annealing, Energy};
 use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
-use crate::picture::{Encoding, Fit, Reading};
+use crate::picture::{Encoding, PictureFit, Reading};
 use crate::projection::Projection;
-use crate::sculpt::plan::Sculpting;
+use crate::sculpt::plan::SheetSettings;
 use crate::sculpt::plan::suitable_grid;
 use crate::setup::Setup;
-use crate::sharpen::Blur;
+use crate::sharpen::BlurKernel;
 
 /// All that a design depends on. The same recipe gives the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -72,7 +72,7 @@ pub struct HighlightSettings {
     /// Turn of the drawing, degrees counter-clockwise.
     pub rotate: f64,
     /// How a picture that is not square fills the field.
-    pub fit: Fit,
+    pub fit: PictureFit,
 }
 
 impl Default for HighlightSettings {
@@ -85,7 +85,7 @@ impl Default for HighlightSettings {
             encoding: Encoding::default(),
             invert: false,
             rotate: 0.0,
-            fit: Fit::default(),
+            fit: PictureFit::default(),
         }
     }
 }
@@ -136,10 +136,10 @@ pub struct PlateSettings {
     /// Kind of relief; without it, flat if a setting asks for facets, else continuous.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<SurfaceKind>,
-    /// Nodes along each side of a cell of a continuous relief; without it, as suits picture, cutter and file.
+    /// Nodes along each side of a cell of a sheet; without it, as suits picture, cutter and file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<usize>,
-    /// Triangles of a continuous relief at the most, on the whole plate; without it 3 million.
+    /// Triangles of a sheet at the most, on the whole plate; without it 3 million.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_triangles: Option<usize>,
 }
@@ -173,22 +173,23 @@ pub struct DesignSettings {
     /// How heights follow from slopes; without it, as suits the arrangement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub heights: Option<Heights>,
-    /// The cutter that the plate is proved for, and a continuous relief shaped for; without it, the valleys of one are as
+    /// The cutter that the plate is proved for, and a sheet shaped for; without it, the valleys of one are as
     /// sharp as its triangles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cutter: Option<Cutter>,
-    /// Polish or paint after the cutter, which smooths the heights of a continuous relief by a Gaussian of this standard
+    /// Polish or paint after the cutter, which smooths the heights of a sheet by a Gaussian of this standard
     /// deviation, mm.
-    pub levelling: f64,
-    /// Details of a continuous relief narrower than this are left out, mm.
+    #[serde(alias = "levelling")]
+    pub polish: f64,
+    /// Details of a sheet narrower than this are left out, mm.
     pub min_feature: f64,
-    /// The most that a cell of a continuous relief may rise about its mean plane, mm.
+    /// The most that a cell of a sheet may rise about its mean plane, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_depth: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
     /// The slope distribution.
-    pub distribution: DistributionSettings,
+    pub distribution: SlopeDistributionSettings,
     /// The annealing of facets, where it is not the usual one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub annealing: Option<Annealing>,
@@ -202,10 +203,10 @@ impl Default for DesignSettings {
             arrange: None,
             heights: None,
             cutter: None,
-            levelling: 0.0,
+            polish: 0.0,
             min_feature: 0.0,
             max_depth: None,
-            distribution: DistributionSettings::default(),
+            distribution: SlopeDistributionSettings::default(),
             annealing: None,
         }
     }
@@ -267,7 +268,7 @@ impl Recipe {
         let annealing = Annealing { energy: Energy::Weyrich2009, swaps: 7_000_000, starts: 3, valleys: 1.15 };
         recipe.design.annealing = Some(annealing);
         recipe.design.heights = Some(Heights::Weyrich2009);
-        recipe.design.distribution = DistributionSettings { slope_cap: 65.0, level: true };
+        recipe.design.distribution = SlopeDistributionSettings { slope_cap: 65.0, level: true };
         recipe
     }
 
@@ -291,7 +292,7 @@ impl Recipe {
         self.design.annealing.unwrap_or_default()
     }
 
-    /// Triangles of a continuous relief at the most.
+    /// Triangles of a sheet at the most.
     pub fn most_triangles(&self) -> usize {
         self.plate.max_triangles.unwrap_or(3_000_000)
     }
@@ -304,12 +305,12 @@ impl Recipe {
         })
     }
 
-    /// Cells along x and y: as asked; else one dome of facets, and about nine cells of a continuous relief, as square as
+    /// Cells along x and y: as asked; else one dome of facets, and about nine cells of a sheet, as square as
     /// the plate lets them be.
     pub fn cells(&self) -> [usize; 2] {
         let usual = || match self.surface() {
-            SurfaceKind::Flat => [1, 1],
-            SurfaceKind::Continuous => {
+            SurfaceKind::Facets => [1, 1],
+            SurfaceKind::Sheet => {
                 let [x, y] = self.plate.size;
                 let side = (x * y / 9.0).sqrt().min(x).min(y);
                 [x, y].map(|length| (length / side).round() as usize)
@@ -318,15 +319,15 @@ impl Recipe {
         self.plate.cells.map_or_else(usual, |cells| [cells; 2])
     }
 
-    /// What a continuous relief of this recipe shall be.
-    pub fn sculpting(&self) -> Sculpting {
+    /// What a sheet of this recipe shall be.
+    pub fn sculpting(&self) -> SheetSettings {
         let PlateSettings { size, grid, .. } = self.plate;
         let cells = self.cells();
         let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
         let cutter = self.design.cutter.map(Cutter::radius);
         let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, self.most_triangles()));
-        let DesignSettings { levelling, min_feature, max_depth, seed, .. } = self.design;
-        Sculpting { cell, cells, grid, cutter, levelling, min_feature, max_depth, seed }
+        let DesignSettings { polish, min_feature, max_depth, seed, .. } = self.design;
+        SheetSettings { cell, cells, grid, cutter, polish, min_feature, max_depth, seed }
     }
 
     /// How the picture file is to be read.
@@ -344,8 +345,8 @@ impl Recipe {
     }
 
     /// What the lamp of `setup` and the plate's metal blur, if they do.
-    pub fn blur(&self, setup: &Setup) -> Option<Blur> {
-        Blur::new(setup, self.plate.lobe.to_radians())
+    pub fn blur(&self, setup: &Setup) -> Option<BlurKernel> {
+        BlurKernel::new(setup, self.plate.lobe.to_radians())
     }
 
     /// What the plate is made of: a mirror that takes no light, with Gaussian microscopic slopes if it has a lobe.

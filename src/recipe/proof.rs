@@ -8,13 +8,13 @@ use crate::progress::Progress;
 use crate::raster::Raster;
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::periodic::PeriodicRelief;
-use crate::sculpt::design::Sculpture;
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
-use crate::sculpt::milled::{Tool, levelled};
-use crate::sculpt::milled_plate::milled_plate;
+use crate::sculpt::milled_facets::milled_facets;
+use crate::sculpt::stages::Sheet;
+use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
 use crate::trace::grid::GridSurface;
-use crate::trace::plate::{self, Task};
+use crate::trace::traced_plate::{Task, TracedPlate};
 use crate::verify::measure::{Measuring, Mirrored};
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::Verdict;
@@ -29,13 +29,13 @@ pub struct Proof {
     pub measurement: Measurement,
     /// The figures.
     pub verdict: Verdict,
-    /// What is said of a continuous relief besides.
+    /// What is said of a sheet besides.
     pub sheet: Option<SheetProof>,
     /// The same of the plate as its cutter leaves it, if one is named.
     pub milled: Option<MilledProof>,
 }
 
-/// How a continuous relief looks in parts, and to diffraction; after its cutter, if it was designed for one.
+/// How a sheet looks in parts, and to diffraction; after its cutter, if it was designed for one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetProof {
     /// Its windows against the picture.
@@ -73,12 +73,12 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
         Ok::<_, DesignError>((measurement, verdict))
     };
-    let (measurement, verdict) = judged(match &design.sculpture {
+    let (measurement, verdict) = judged(match &design.sheet {
         None => mirrored.on(&GridSurface::new(&design.relief)),
         // The triangles themselves, as they stand in the file.
-        Some(_) => plate::Plate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
+        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
     })?;
-    let made = design.sculpture.as_ref().map(|sculpture| Made::of(recipe, sculpture));
+    let made = design.sheet.as_ref().map(|sheet| Made::of(recipe, sheet));
     let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
     let milled = match send_over_milled(recipe, design, made.as_ref(), mirrored)? {
         None => None,
@@ -90,7 +90,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     Ok(Proof { target, measurement, verdict, sheet, milled })
 }
 
-/// A continuous relief as it is made.
+/// A sheet as it is made.
 struct Made {
     /// One cell, after cutter and polish; as written, if it was not designed for them.
     relief: PeriodicRelief,
@@ -99,8 +99,8 @@ struct Made {
 }
 
 impl Made {
-    fn of(recipe: &Recipe, sculpture: &Sculpture) -> Self {
-        let relief = &sculpture.relief;
+    fn of(recipe: &Recipe, sheet: &Sheet) -> Self {
+        let relief = &sheet.relief;
         let (cut, left) = match recipe.design.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
@@ -109,7 +109,7 @@ impl Made {
                 (milled.relief, left)
             }
         };
-        Self { relief: levelled(cut, recipe.design.levelling), left }
+        Self { relief: polished(cut, recipe.design.polish), left }
     }
 
     fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
@@ -132,13 +132,13 @@ fn send_over_milled(
     mirrored: Mirrored,
 ) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
     let cutter = recipe.design.cutter;
-    if cutter.is_none() && recipe.design.levelling == 0.0 {
+    if cutter.is_none() && recipe.design.polish == 0.0 {
         return Ok(None);
     }
     mirrored.progress.stage("milling it, and tracing that");
     match made {
         Some(made) => {
-            let surface = plate::Plate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+            let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
             Ok(Some((surface.run(mirrored), made.left)))
         }
         None => Ok(cutter.map(|cutter| send_over_milled_facets(&design.relief, cutter, mirrored))),
@@ -151,6 +151,6 @@ pub(super) fn send_over_milled_facets(
     cutter: Cutter,
     mirrored: Mirrored,
 ) -> (Option<Measurement>, f64) {
-    let milled = milled_plate(relief, cutter.radius());
+    let milled = milled_facets(relief, cutter.radius());
     (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
 }

@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 
 use serde_json::{Map, Value, json};
 
-use super::compare::Comparison;
+use super::compare::FacetComparison;
 use super::proof::Proof;
 use super::run::Design;
 use super::{Recipe, SurfaceKind};
-use crate::distribution::Distribution;
+use crate::distribution::SlopeDistribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
 use crate::projection::View;
-use crate::sculpt::design::Sculpture;
 use crate::sculpt::detail::Detail;
+use crate::sculpt::stages::Sheet;
 use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::Misplaced;
@@ -25,12 +25,12 @@ pub fn report(
     picture: &Picture,
     design: &Design,
     proof: Option<&Proof>,
-    comparison: Option<&Comparison>,
+    comparison: Option<&FacetComparison>,
 ) -> Value {
     let Design { distribution, relief, mesh, .. } = design;
     let steps = design.facets.as_ref().map(|facets| facets.steps);
     let (low, high) = relief.height_range();
-    let pitch = design.sculpture.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
+    let pitch = design.sheet.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
     let mean = distribution.mean;
     let normal = distribution.setup.plate_normal();
     let mut seconds: Map<String, Value> =
@@ -58,7 +58,7 @@ pub fn report(
         },
         "design": {
             "surface": match comparison {
-                Some(_) if design.sculpture.is_none() => "flat: facets are better here than the continuous relief was".into(),
+                Some(_) if design.sheet.is_none() => "facets: they are better here than the sheet was".into(),
                 _ => recipe.why_this_surface(),
             },
             "pitch_mm": [pitch.x, pitch.y],
@@ -69,7 +69,7 @@ pub fn report(
             "slope_spread": distribution.spread,
             "mount_theta_deg": normal.z.min(1.0).acos().to_degrees(),
             "mount_phi_deg": if normal.z < 1.0 { normal.y.atan2(normal.x).to_degrees() } else { 0.0 },
-            // A continuous relief has no steps, and no edges that could be counted as valleys.
+            // A sheet has no steps, and no edges that could be counted as valleys.
             "step_rms_mm": steps.map_or(0.0, |s| s.rms),
             "step_rms_pitch": steps.map_or(0.0, |s| s.rms / pitch.min_element()),
             "wall_area_ratio": steps.map_or(0.0, |s| s.wall_area_ratio),
@@ -86,8 +86,8 @@ pub fn report(
             "z_high_mm": high,
         },
     });
-    if let Some(sculpture) = &design.sculpture {
-        report["design"]["continuous"] = continuous(recipe, design, sculpture);
+    if let Some(sheet) = &design.sheet {
+        report["design"]["continuous"] = continuous(recipe, design, sheet);
     }
     if let Some(proof) = proof {
         report["designed"] = proof.verdict.to_json();
@@ -108,7 +108,7 @@ pub fn report(
             report["as_milled"]["left_by_cutter_um"] = json!(1000.0 * milled.left);
         }
     }
-    if let Some(Comparison { facets, flat, continuous, milled }) = comparison {
+    if let Some(FacetComparison { facets, flat, continuous, milled }) = comparison {
         report["beside_facets"] = json!({
             "facets": facets,
             "as_milled": milled,
@@ -128,29 +128,29 @@ fn sharpening(worth: Sharpening) -> Value {
     json!({ "tv_without": at_judge(worth.before), "tv_with": at_judge(worth.after), "steps": worth.steps })
 }
 
-/// The facts of a continuous relief.
-fn continuous(recipe: &Recipe, design: &Design, sculpture: &Sculpture) -> Value {
-    let relief = &sculpture.relief;
+/// The facts of a sheet.
+fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> Value {
+    let relief = &sheet.relief;
     json!({
         "grid": relief.nodes,
         "cells": relief.cells,
         "cell_mm": relief.cell.to_array(),
         "cutter": recipe.design.cutter,
-        "start": sculpture.start,
-        "misplaced_by_stage": sculpture.misplaced,
-        "fillet_share": sculpture.fillets,
+        "start": sheet.start,
+        "misplaced_by_stage": sheet.misplaced,
+        "fillet_share": sheet.fillets,
         "least_stray": design.least_stray.map(|stray| json!({
             "share": stray.share,
             "gap_deg": stray.gap.map(|s| s.atan().to_degrees()),
             "along_cells": stray.along,
         })),
         "depth_mm": relief.depth(),
-        "stopped_early": sculpture.stopped_early().map(|[done, all]| json!({ "steps_done": done, "steps": all })),
+        "stopped_early": sheet.stopped_early().map(|[done, all]| json!({ "steps_done": done, "steps": all })),
     })
 }
 
 /// Height that the mean slope alone costs from corner to corner, mm.
-fn mean_slope_costs(recipe: &Recipe, distribution: &Distribution) -> f64 {
+fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
     let [x, y] = recipe.plate.size;
     distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
 }
@@ -159,7 +159,7 @@ fn mean_slope_costs(recipe: &Recipe, distribution: &Distribution) -> f64 {
 ///
 /// The drawing fixes the highlight only up to a factor, and the plate's area fixes that factor (∫ p ds = 1): white
 /// paper of albedo 1 sends E cosθi / π everywhere, a pixel that gets the share f of all flux f E cosθi / (cosθo dω).
-fn brightest_vs_white_paper(recipe: &Recipe, distribution: &Distribution) -> f64 {
+fn brightest_vs_white_paper(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
     let blurred = recipe.blur(&distribution.setup).map(|blur| seen(&distribution.flux, &blur));
     let flux = blurred.as_ref().unwrap_or(&distribution.flux);
     let pixel = 4.0 / (flux.width * flux.height) as f64;
@@ -172,20 +172,20 @@ fn brightest_vs_white_paper(recipe: &Recipe, distribution: &Distribution) -> f64
     ratios.fold(0.0, f64::max)
 }
 
-/// That flat facets are better than a continuous relief, and what follows.
-fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &Comparison) -> String {
-    let Comparison { facets: [columns, rows], flat, continuous, milled } = comparison;
+/// That flat facets are better than a sheet, and what follows.
+fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &FacetComparison) -> String {
+    let FacetComparison { facets: [columns, rows], flat, continuous, milled } = comparison;
     let figures = format!(
-        "{columns}x{rows} of them misplace {:.2}% of the light at a blur of 1°{}, the continuous relief {:.2}%",
+        "{columns}x{rows} of them misplace {:.2}% of the light at a blur of 1°{}, the sheet {:.2}%",
         100.0 * flat.misplaced,
         if *milled { " once cut" } else { "" },
         100.0 * continuous.misplaced
     );
-    let Some(sculpture) = &design.sculpture else {
+    let Some(sheet) = &design.sheet else {
         return format!("Flat facets were made, since {figures}: --surface continuous makes the relief all the same.");
     };
     let remedies = [
-        (sculpture.stopped_early().is_some(), "let the design come to its end"),
+        (sheet.stopped_early().is_some(), "let the design come to its end"),
         (recipe.design.max_depth.is_some(), "raise --max-depth"),
         (recipe.design.min_feature > 0.0, "lower --min-feature"),
         (recipe.plate.grid.is_some(), "raise --grid"),
@@ -216,7 +216,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
     let costs = mean_slope_costs(recipe, &design.distribution);
     let (low, high) = design.relief.height_range();
     if costs > 0.5 && costs > 0.5 * (high - low) {
-        if design.sculpture.is_none() && recipe.heights().is_cyclic() {
+        if design.sheet.is_none() && recipe.heights().is_cyclic() {
             say("The highlight is off centre and the arrangement is cyclic, so its mean slope stands in walls: add --level.".into());
         } else {
             say(format!(
@@ -225,7 +225,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
             ));
         }
     }
-    if recipe.surface() == SurfaceKind::Continuous && recipe.design.cutter.is_none() {
+    if recipe.surface() == SurfaceKind::Sheet && recipe.design.cutter.is_none() {
         say("No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill.".into());
     }
     if let Some(verdict) = verdict {
@@ -235,7 +235,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
             say(format!(
                 "Lamp and metal blur the picture by more than light can be sharpened (TV {blurred:.3} at {SCORED_AT}°): a smaller lamp, better polish, or a picture of coarser detail or larger --half-field."
             ));
-        } else if tv > 0.05 && design.sculpture.is_none() {
+        } else if tv > 0.05 && design.sheet.is_none() {
             let [columns, rows] = recipe.facets();
             say(format!(
                 "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",
@@ -243,7 +243,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
                 2 * rows
             ));
         }
-        if verdict.blocked.value + verdict.multi_bounce.value > 0.02 && design.sculpture.is_none() {
+        if verdict.blocked.value + verdict.multi_bounce.value > 0.02 && design.sheet.is_none() {
             say(format!(
                 "{} of the light is blocked and {} bounces twice, on walls and valleys: --arrange transport has the fewest.",
                 percent(verdict.blocked.value),

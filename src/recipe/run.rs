@@ -3,7 +3,7 @@
 use cpu_time::ProcessTime;
 
 use super::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
-use crate::distribution::{Distribution, DistributionError};
+use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
 use crate::facets::SlopeGrid;
@@ -17,8 +17,8 @@ use crate::raster::Raster;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::sculpt::bound::Unavoidable;
-use crate::sculpt::design::{Sculpture, least_stray, sculpt};
-use crate::sculpt::waypoint::Waypoint;
+use crate::sculpt::checkpoint::Checkpoint;
+use crate::sculpt::stages::{Sheet, least_stray, sculpt};
 use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
@@ -27,7 +27,7 @@ use crate::trace::mesh::MeshSurfaceError;
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
 
-/// By how much a continuous relief may be deeper than asked, as a share: descents end close to the limit, not at it.
+/// By how much a sheet may be deeper than asked, as a share: descents end close to the limit, not at it.
 const DEPTH_ALLOWANCE: f64 = 0.02;
 
 /// A plate, and how it came about.
@@ -38,11 +38,11 @@ pub struct Design {
     /// What sharpening was worth, if lamp or metal blur.
     pub sharpening: Option<Sharpening>,
     /// The slopes that were wanted.
-    pub distribution: Distribution,
+    pub distribution: SlopeDistribution,
     /// Facets in their places, if the relief is made of them.
     pub facets: Option<Facets>,
     /// The continuous sheet, if the relief is one.
-    pub sculpture: Option<Sculpture>,
+    pub sheet: Option<Sheet>,
     /// Light that its cutter cannot keep from straying, if it is for one.
     pub least_stray: Option<Unavoidable>,
     /// The relief with its rim; of a continuous one, a plane for each square of its grid.
@@ -64,18 +64,18 @@ pub struct Facets {
 
 /// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
 pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<Design, DesignError> {
-    design_by_way(recipe, light, None, &mut |_, _| {}, progress)
+    design_with_checkpoints(recipe, light, None, &mut |_, _| {}, progress)
 }
 
-/// The same, for continuous reliefs that take long: goes on from where an earlier run of the same recipe had come, and
-/// tells `passed` of every step that is done.
+/// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
+/// tells `on_step` of every step that is done.
 ///
-/// Cancelled, a continuous relief is the best so far; facets end in [`DesignError::Cancelled`].
-pub fn design_by_way(
+/// Cancelled, a sheet is the best so far; facets end in [`DesignError::Cancelled`].
+pub fn design_with_checkpoints(
     recipe: &Recipe,
     light: &Raster,
-    from: Option<Waypoint>,
-    passed: &mut dyn FnMut(&Distribution, &Waypoint),
+    from: Option<Checkpoint>,
+    on_step: &mut dyn FnMut(&SlopeDistribution, &Checkpoint),
     progress: &Progress,
 ) -> Result<Design, DesignError> {
     recipe.check()?;
@@ -86,23 +86,23 @@ pub fn design_by_way(
     if sharpening.is_some() {
         clock.lap("sharpening");
     }
-    let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
     clock.lap("distribution");
     let plate = match recipe.surface() {
-        SurfaceKind::Flat => faceted(recipe, &distribution, &mut clock, progress)?,
-        SurfaceKind::Continuous => {
-            let passed = &mut |at: &Waypoint| passed(&distribution, at);
-            continuous(recipe, &distribution, Way { from, passed }, &mut clock, progress)?
+        SurfaceKind::Facets => faceted(recipe, &distribution, &mut clock, progress)?,
+        SurfaceKind::Sheet => {
+            let on_step = &mut |at: &Checkpoint| on_step(&distribution, at);
+            continuous(recipe, &distribution, Way { from, on_step }, &mut clock, progress)?
         }
     };
-    let Plate { facets, sculpture, least_stray, relief, mesh } = plate;
+    let Plate { facets, sheet, least_stray, relief, mesh } = plate;
     let seconds = clock.laps;
     Ok(Design {
         below_plate: highlight.below_plate,
         sharpening,
         distribution,
         facets,
-        sculpture,
+        sheet,
         least_stray,
         relief,
         mesh,
@@ -113,12 +113,12 @@ pub fn design_by_way(
 /// Light that no relief of `recipe` keeps from straying once its cutter has cut it; `None` without a cutter, and of facets.
 pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavoidable>, DesignError> {
     recipe.check()?;
-    if recipe.surface() == SurfaceKind::Flat || recipe.design.cutter.is_none() {
+    if recipe.surface() == SurfaceKind::Facets || recipe.design.cutter.is_none() {
         return Ok(None);
     }
     let setup = recipe.setup();
     let (highlight, _) = wanted(recipe, light, &setup, &Progress::silent())?;
-    let distribution = Distribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
     Ok(least_stray(&distribution, &recipe.sculpting()))
 }
 
@@ -144,21 +144,21 @@ fn wanted(
 /// What comes of either kind of relief.
 struct Plate {
     facets: Option<Facets>,
-    sculpture: Option<Sculpture>,
+    sheet: Option<Sheet>,
     least_stray: Option<Unavoidable>,
     relief: FacetedRelief,
     mesh: Mesh,
 }
 
-/// Where a continuous relief comes from, and who hears of it on its way.
+/// Where a sheet comes from, and who hears of it on its way.
 struct Way<'a> {
-    from: Option<Waypoint>,
-    passed: &'a mut dyn FnMut(&Waypoint),
+    from: Option<Checkpoint>,
+    on_step: &'a mut dyn FnMut(&Checkpoint),
 }
 
 fn continuous(
     recipe: &Recipe,
-    distribution: &Distribution,
+    distribution: &SlopeDistribution,
     way: Way,
     clock: &mut Clock,
     progress: &Progress,
@@ -175,14 +175,14 @@ fn continuous(
         None => progress.stage("sculpting the relief"),
     }
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
-    let sculpture = sculpt(distribution, &sculpting, way.from, way.passed, progress).ok_or_else(none)?;
+    let sheet = sculpt(distribution, &sculpting, way.from, way.on_step, progress).ok_or_else(none)?;
     clock.lap("sculpting");
-    shallow_enough(sculpture.relief.depth(), recipe.design.max_depth)?;
+    shallow_enough(sheet.relief.depth(), recipe.design.max_depth)?;
     progress.stage("closing the solid");
-    let mesh = sheet_solid(&sculpture.relief, recipe.plate.thickness, recipe.plate.border)?;
-    let relief = sculpture.relief.faceted().with_rim(recipe.plate.border);
+    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
+    let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
     clock.lap("solid");
-    Ok(Plate { facets: None, sculpture: Some(sculpture), least_stray, relief, mesh })
+    Ok(Plate { facets: None, sheet: Some(sheet), least_stray, relief, mesh })
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
@@ -194,7 +194,7 @@ fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
 
 fn faceted(
     recipe: &Recipe,
-    distribution: &Distribution,
+    distribution: &SlopeDistribution,
     clock: &mut Clock,
     progress: &Progress,
 ) -> Result<Plate, DesignError> {
@@ -226,7 +226,7 @@ fn faceted(
     progress.stage("closing the solid");
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap("solid");
-    Ok(Plate { facets: Some(Facets { grid, steps }), sculpture: None, least_stray: None, relief, mesh })
+    Ok(Plate { facets: Some(Facets { grid, steps }), sheet: None, least_stray: None, relief, mesh })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
@@ -291,14 +291,14 @@ pub enum DesignError {
     },
     /// No slopes.
     #[error(transparent)]
-    Distribution(#[from] DistributionError),
+    SlopeDistribution(#[from] DistributionError),
     /// No solid.
     #[error(transparent)]
     Solid(#[from] SolidError),
-    /// No solid of a continuous relief.
+    /// No solid of a sheet.
     #[error(transparent)]
     Sheet(#[from] SheetError),
-    /// The continuous relief's triangles cannot be traced.
+    /// The sheet's triangles cannot be traced.
     #[error(transparent)]
     Mesh(#[from] MeshSurfaceError),
     /// The highlight has no extent on the slope plane.
@@ -307,7 +307,7 @@ pub enum DesignError {
     /// The relief sends nothing into the image.
     #[error("no light reaches the highlight image: the relief shades itself completely")]
     NoLight,
-    /// The continuous relief did not become as shallow as asked.
+    /// The sheet did not become as shallow as asked.
     #[error(
         "the relief is {depth:.3} mm deep where {most} mm were allowed: raise --max-depth, or --cells, since smaller cells are shallower"
     )]

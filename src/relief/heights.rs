@@ -1,4 +1,4 @@
-//! Heights at the crossings of a grid: a continuous relief of triangles.
+//! Heights at the crossings of a grid: a sheet of triangles.
 
 use glam::DVec2;
 

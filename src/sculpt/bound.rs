@@ -199,7 +199,7 @@ mod tests {
             let bound = unavoidable(&discs, CELL, radius);
             assert!(bound.share > last && bound.share <= 0.5, "{radius}: {bound:?}");
             assert_eq!(bound.along, [1, 0]);
-            // The gap is 0.102 wide; the rims of the discs are so dim that it pays to count a little of them.
+            // The gap is 0.102 wide; the edges of the discs are so dim that it pays to count a little of them.
             let gap = bound.gap[1] - bound.gap[0];
             let plain = 0.102 * radius / CELL.x;
             assert!(gap >= 0.1 && bound.share > 0.97 * plain && bound.share < 1.7 * plain, "{radius}: {bound:?}");

@@ -2,7 +2,7 @@
 //!
 //! A relief z can be cut by a ball of radius R where |x|²/2R - z is convex (a parabola in place of the sphere, which is
 //! a little stricter on slopes). What the cutter leaves of any other is the smallest relief above it with that
-//! property: along a line, the concave hull of z - |x|²/2R. Hulls along eight directions of the grid, one after the
+//! property: along a line, the concave edges hull of z - |x|²/2R. Hulls along eight directions of the grid, one after the
 //! other, come near the full one. In a hull, each node that the cutter does not touch is a mean of two nodes that it
 //! does touch plus a constant, so the adjoint of a pass is a scatter with the same weights.
 
@@ -43,7 +43,7 @@ impl Contacts {
     }
 
     /// Carries a gradient with respect to the closed relief back to the relief before, in place.
-    pub fn pull_back(&self, gradient: &mut [f32]) {
+    pub fn adjoint(&self, gradient: &mut [f32]) {
         for hang in self.passes.iter().rev().flatten() {
             let g = std::mem::take(&mut gradient[hang.at as usize]);
             gradient[hang.left as usize] += (1.0 - hang.share) * g;
@@ -296,7 +296,7 @@ mod tests {
             closed.iter().zip(&weight).map(|(a, b)| f64::from(a * b)).sum::<f64>()
         };
         let mut gradient = weight.clone();
-        closing.close(&mut z.clone()).pull_back(&mut gradient);
+        closing.close(&mut z.clone()).adjoint(&mut gradient);
         // Where a step passes a kink the difference is between two derivatives: rare, and not to be held against us.
         let near = |k: usize| {
             let d = 3e-6;

@@ -84,7 +84,7 @@ pub fn diffracted(relief: &PeriodicRelief, blur: f64, changed: impl Fn(&[f32]) -
     changed(&smoothed(relief, patch / WIDTH))
 }
 
-/// Heights of `relief`'s cell smoothed by a Gaussian of standard deviation `sigma` mm, its rims joined.
+/// Heights of `relief`'s cell smoothed by a Gaussian of standard deviation `sigma` mm, its edges joined.
 pub fn smoothed(relief: &PeriodicRelief, sigma: f64) -> Vec<f32> {
     Smoothing::new(relief).heights(sigma)
 }

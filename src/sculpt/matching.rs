@@ -15,8 +15,8 @@ use crate::fourier::frequency;
 use crate::progress::Progress;
 
 use super::closing::Closing;
-use super::rims::Lattice;
-use super::waves::Waves;
+use super::edge_slopes::Lattice;
+use super::periodic_filter::PeriodicFilter;
 
 /// Crossed pairs of directions in one matching.
 const PAIRS: usize = 3;
@@ -30,7 +30,7 @@ const SCALE: usize = 4096;
 /// Exchanges between the two wishes on one lattice.
 pub struct Matching {
     lattice: Lattice,
-    waves: Waves,
+    waves: PeriodicFilter,
     poisson: Vec<f32>,
     wanted: Vec<[f32; 2]>,
 }
@@ -39,7 +39,7 @@ impl Matching {
     /// For `wanted` slopes relative to the mean, one a square of `lattice`, in any order.
     pub fn new(lattice: Lattice, wanted: &[DVec2]) -> Self {
         let n = lattice.n;
-        let waves = Waves::new(n);
+        let waves = PeriodicFilter::new(n);
         let poisson = waves.gains(|i, j| {
             let half = |k: usize| 0.5 * frequency(k, n);
             let (x, y) = (half(i).sin() * half(j).cos(), half(j).sin() * half(i).cos());

@@ -1,8 +1,8 @@
-//! Continuous reliefs whose light is the picture: one periodic sheet of triangles, optimised as it is written.
+//! Sheets whose light is the picture: one periodic sheet of triangles, optimised as it is written.
 
-pub mod rims;
+pub mod edge_slopes;
 
-pub mod waves;
+pub mod periodic_filter;
 
 pub mod start;
 
@@ -12,26 +12,26 @@ pub mod bound;
 
 pub mod detail;
 
-pub mod bins;
+pub mod slope_histogram;
 
 pub mod closing;
 
 pub mod resample;
 
-pub mod milled;
+pub mod tool;
 
-pub mod milled_plate;
+pub mod milled_facets;
 
 pub mod matching;
 
-pub mod folds;
+pub mod concave_edges;
 
-pub mod light;
+pub mod light_model;
 
 pub mod objective;
 
 pub mod plan;
 
-pub mod waypoint;
+pub mod checkpoint;
 
-pub mod design;
+pub mod stages;

@@ -1,7 +1,7 @@
 //! How far a relief's light is from the wanted, as a function of well-conditioned numbers, with its exact gradient.
 //!
 //! ```text
-//!    y ──► heights ──► closing ──► levelling ──► light ──► weighed, blurred difference ──► ½ Σ d · (W ∗ d)
+//!    y ──► heights ──► closing ──► polish ──► light ──► weighed, blurred difference ──► ½ Σ d · (W ∗ d)
 //!       1/|k|       (the ball)   (polish, paint) (triangles)
 //! ```
 //!
@@ -15,14 +15,14 @@ use crate::fourier::frequency;
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
-use super::bins::Bins;
 use super::closing::{Closing, Contacts};
-use super::folds::Folds;
-use super::light::Light;
-use super::milled::{Tool, levelled};
-use super::rims::{Lattice, Rims};
+use super::concave_edges::ConcaveEdges;
+use super::edge_slopes::{EdgeSlopes, Lattice};
+use super::light_model::LightModel;
+use super::periodic_filter::{PeriodicFilter, fast_side};
+use super::slope_histogram::SlopeHistogram;
 use super::target::SlopeTarget;
-use super::waves::{Waves, smooth_side};
+use super::tool::{Tool, polished};
 
 /// Longest difference that the loss feels, degrees.
 const REACH: f64 = 40.0;
@@ -36,7 +36,7 @@ const DARK: f64 = 0.3;
 
 /// How a stage of the design looks at light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gaze {
+pub struct LossScale {
     /// Blur, degrees.
     pub blur: f64,
     /// Preference for wide differences.
@@ -45,7 +45,7 @@ pub struct Gaze {
     pub weighed: bool,
 }
 
-impl Gaze {
+impl LossScale {
     /// Whether it sees what the tool's grid does to light: to wider looks it is not worth the work.
     pub const fn is_fine(self) -> bool {
         self.blur < 0.4
@@ -54,11 +54,11 @@ impl Gaze {
 
 /// What happens to the written relief before light falls on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Making {
+pub struct ManufacturingModel {
     /// Radius of the ball that cuts it, mm.
     pub cutter: Option<f64>,
     /// Polish or paint: heights are smoothed by a Gaussian of this standard deviation, mm.
-    pub levelling: f64,
+    pub polish: f64,
     /// Waves shorter than about this are damped in the design, mm.
     pub finest: f64,
     /// The most that a cell may rise, mm.
@@ -70,50 +70,51 @@ pub struct Making {
 /// The loss of reliefs on one lattice.
 pub struct Objective {
     lattice: Lattice,
-    making: Making,
+    manufacturing: ManufacturingModel,
     target: SlopeTarget,
-    light: Light,
+    light: LightModel,
     closing: Option<Closing>,
-    heights: Waves,
+    heights: PeriodicFilter,
     conditioner: Vec<f32>,
-    levelling: Option<Vec<f32>>,
-    plane: Waves,
-    gaze: Vec<f32>,
-    weight: Option<Vec<f32>>,
-    /// What the tool is known to add to the light, beyond the fillets of the folds.
-    tooled: Option<Vec<f32>>,
-    price: f64,
+    polish: Option<Vec<f32>>,
+    plane: PeriodicFilter,
+    scale: Vec<f32>,
+    dark_weight: Option<Vec<f32>>,
+    /// What the tool is known to add to the light, beyond the fillets of the concave edges.
+    tool_residual: Option<Vec<f32>>,
+    valley_weight: f64,
     /// Heights between which nothing is charged for depth, mm, and the charge for a mean square of one beyond.
     depth: Option<([f32; 2], f64)>,
 }
 
 impl Objective {
-    /// For reliefs on `lattice` whose light shall be `target`, seen as `gaze` says and made as `making` says.
-    pub fn new(lattice: Lattice, target: SlopeTarget, gaze: Gaze, making: Making) -> Self {
-        let heights = Waves::new(lattice.n);
-        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, making.finest));
-        let levelling = (making.levelling > 0.0).then(|| heights.levelling(lattice, making.levelling));
-        let plane = Waves::new(smooth_side(target.side + (ROOM / target.bin).ceil() as usize));
-        let gains = gaze_gains(&plane, target.bin, gaze);
-        let weight = gaze.weighed.then(|| weight(&plane, &target));
-        let folds = making.cutter.map(|radius| Folds::new(lattice, radius, sharpest_fold(lattice, radius)));
-        let crossed = making.cutter.filter(|_| gaze.is_fine()).map_or(0.0, |radius| crossed(lattice, radius));
-        let light = Light::new(lattice, Bins::new(&target), crossed, folds);
-        let closing = making.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
+    /// For reliefs on `lattice` whose light shall be `target`, seen as `scale` says and made as `manufacturing` says.
+    pub fn new(lattice: Lattice, target: SlopeTarget, scale: LossScale, manufacturing: ManufacturingModel) -> Self {
+        let heights = PeriodicFilter::new(lattice.n);
+        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, manufacturing.finest));
+        let polish = (manufacturing.polish > 0.0).then(|| heights.polish(lattice, manufacturing.polish));
+        let plane = PeriodicFilter::new(fast_side(target.side + (ROOM / target.bin).ceil() as usize));
+        let gains = loss_gains(&plane, target.bin, scale);
+        let dark_weight = scale.weighed.then(|| weight(&plane, &target));
+        let concave =
+            manufacturing.cutter.map(|radius| ConcaveEdges::new(lattice, radius, sharpest_fold(lattice, radius)));
+        let crossed = manufacturing.cutter.filter(|_| scale.is_fine()).map_or(0.0, |radius| crossed(lattice, radius));
+        let light = LightModel::new(lattice, SlopeHistogram::new(&target), crossed, concave);
+        let closing = manufacturing.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
         Self {
             lattice,
-            making,
+            manufacturing,
             target,
             light,
             closing,
             heights,
             conditioner,
-            levelling,
+            polish,
             plane,
-            gaze: gains,
-            weight,
-            tooled: None,
-            price: 0.0,
+            scale: gains,
+            dark_weight,
+            tool_residual: None,
+            valley_weight: 0.0,
             depth: None,
         }
     }
@@ -130,13 +131,13 @@ impl Objective {
         y
     }
 
-    /// Charges for folds that turn upward, so that they cost `share` of the loss of heights `z` as it is now; and for
+    /// Charges for concave edges that turn upward, so that they cost `share` of the loss of heights `z` as it is now; and for
     /// what is too deep, so that it costs as much as the loss where it is so by 3 % on average.
     pub fn charge(&mut self, z: &[f32], share: f64) {
-        let rims = self.rims(z);
-        let (loss, toll) = (self.compare(&rims).0, self.light.toll(&rims));
-        self.price = if toll > 0.0 { share * loss / toll } else { 0.0 };
-        self.depth = self.making.max_depth.map(|most| {
+        let edges = self.edges(z);
+        let (loss, penalty) = (self.compare(&edges).0, self.light.penalty(&edges));
+        self.valley_weight = if penalty > 0.0 { share * loss / penalty } else { 0.0 };
+        self.depth = self.manufacturing.max_depth.map(|most| {
             let (low, high) = range(z);
             let middle = 0.5 * f64::from(low + high);
             let bounds = [-0.48, 0.48].map(|share| (middle + share * most) as f32);
@@ -147,21 +148,22 @@ impl Objective {
     /// How much deeper than allowed heights `z` are, as a share of what is allowed.
     pub fn too_deep(&self, z: &[f32]) -> f64 {
         let (low, high) = range(z);
-        self.making.max_depth.map_or(0.0, |most| (f64::from(high - low) / most - 1.0).max(0.0))
+        self.manufacturing.max_depth.map_or(0.0, |most| (f64::from(high - low) / most - 1.0).max(0.0))
     }
 
     /// Takes account of what the tool really makes of heights `z`: the light of its work less that of the model is
     /// added to all light from now on.
-    pub fn watch_tool(&mut self, z: &[f32]) {
-        let Some(radius) = self.making.cutter else { return };
+    pub fn update_tool_residual(&mut self, z: &[f32]) {
+        let Some(radius) = self.manufacturing.cutter else { return };
         let cell = self.lattice.cell();
-        let relief = relief(self.lattice, z, self.making.tilt);
-        let made = levelled(Tool::new(cell, radius).mill(&relief).relief, self.making.levelling);
+        let relief = relief(self.lattice, z, self.manufacturing.tilt);
+        let made = polished(Tool::new(cell, radius).mill(&relief).relief, self.manufacturing.polish);
         let fine = Lattice { n: made.nodes, step: made.step() };
         // Whoever looks at the tool's grid may cut its squares either way.
-        let really = Light::new(fine, Bins::new(&self.target), 0.5, None).shine(&Rims::new(fine, &made.heights));
-        let thought = self.light.shine(&self.rims(z));
-        self.tooled = Some(really.iter().zip(&thought).map(|(a, b)| a - b).collect());
+        let really = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None)
+            .forward(&EdgeSlopes::new(fine, &made.heights));
+        let thought = self.light.forward(&self.edges(z));
+        self.tool_residual = Some(really.iter().zip(&thought).map(|(a, b)| a - b).collect());
     }
 
     /// The heights of numbers `y`, as the cutter leaves their nodes.
@@ -176,14 +178,14 @@ impl Objective {
         (z, contacts)
     }
 
-    /// Slopes of heights `z` after levelling.
-    fn rims(&self, z: &[f32]) -> Rims {
-        match &self.levelling {
-            None => Rims::new(self.lattice, z),
+    /// Slopes of heights `z` after polish.
+    fn edges(&self, z: &[f32]) -> EdgeSlopes {
+        match &self.polish {
+            None => EdgeSlopes::new(self.lattice, z),
             Some(gains) => {
                 let mut level = z.to_vec();
                 self.heights.filter(&mut level, self.lattice.n, gains);
-                Rims::new(self.lattice, &level)
+                EdgeSlopes::new(self.lattice, &level)
             }
         }
     }
@@ -191,39 +193,39 @@ impl Objective {
     /// The loss at `y`; its gradient goes to `gradient`.
     pub fn loss(&self, y: &[f32], gradient: &mut [f32]) -> f64 {
         let (z, contacts) = self.closed(y);
-        let rims = self.rims(&z);
-        let (loss, potential) = self.compare(&rims);
-        let (mut pull, toll) = self.light.pull(&rims, &potential, self.price as f32);
-        if let Some(gains) = &self.levelling {
-            self.heights.filter(&mut pull, self.lattice.n, gains);
+        let edges = self.edges(&z);
+        let (loss, potential) = self.compare(&edges);
+        let (mut at_heights, penalty) = self.light.adjoint(&edges, &potential, self.valley_weight as f32);
+        if let Some(gains) = &self.polish {
+            self.heights.filter(&mut at_heights, self.lattice.n, gains);
         }
         let mut depth = 0.0;
-        if let Some(([low, high], price)) = self.depth {
-            for (pull, z) in pull.iter_mut().zip(&z) {
+        if let Some(([low, high], weight)) = self.depth {
+            for (slope, z) in at_heights.iter_mut().zip(&z) {
                 let beyond = z - z.clamp(low, high);
-                depth += price * f64::from(beyond).powi(2);
-                *pull += 2.0 * price as f32 * beyond;
+                depth += weight * f64::from(beyond).powi(2);
+                *slope += 2.0 * weight as f32 * beyond;
             }
         }
         if let Some(contacts) = contacts {
-            contacts.pull_back(&mut pull);
+            contacts.adjoint(&mut at_heights);
         }
-        self.heights.filter(&mut pull, self.lattice.n, &self.conditioner);
-        gradient.copy_from_slice(&pull);
-        loss + self.price * toll + depth
+        self.heights.filter(&mut at_heights, self.lattice.n, &self.conditioner);
+        gradient.copy_from_slice(&at_heights);
+        loss + self.valley_weight * penalty + depth
     }
 
-    /// The loss without tolls, and the potential that pulls on light.
-    fn compare(&self, rims: &Rims) -> (f64, Vec<f32>) {
+    /// The loss without penalties, and the potential that pulls on light.
+    fn compare(&self, edges: &EdgeSlopes) -> (f64, Vec<f32>) {
         let weigh = |values: &mut [f32]| {
-            if let Some(weight) = &self.weight {
+            if let Some(weight) = &self.dark_weight {
                 values.iter_mut().zip(weight).for_each(|(v, w)| *v *= w);
             }
         };
-        let mut difference = self.difference(rims);
+        let mut difference = self.difference(edges);
         weigh(&mut difference);
         let mut potential = difference.clone();
-        self.plane.filter(&mut potential, self.target.side, &self.gaze);
+        self.plane.filter(&mut potential, self.target.side, &self.scale);
         let products = potential.iter().zip(&difference).map(|(p, d)| f64::from(*p) * f64::from(*d));
         let loss = 0.5 * products.sum::<f64>();
         weigh(&mut potential);
@@ -231,25 +233,25 @@ impl Objective {
     }
 
     /// Light less what is wanted.
-    fn difference(&self, rims: &Rims) -> Vec<f32> {
-        let mut difference = self.light.shine(rims);
+    fn difference(&self, edges: &EdgeSlopes) -> Vec<f32> {
+        let mut difference = self.light.forward(edges);
         difference.iter_mut().zip(&self.target.wanted).for_each(|(d, w)| *d -= w);
-        if let Some(tooled) = &self.tooled {
-            difference.iter_mut().zip(tooled).for_each(|(d, w)| *d += w);
+        if let Some(tool_residual) = &self.tool_residual {
+            difference.iter_mut().zip(tool_residual).for_each(|(d, w)| *d += w);
         }
         difference
     }
 
     /// Half the sum of absolute differences of light, both seen through a blur of `blur` degrees.
     pub fn misplaced(&self, z: &[f32], blur: f64) -> f64 {
-        let mut difference = self.difference(&self.rims(z));
+        let mut difference = self.difference(&self.edges(z));
         self.plane.filter(&mut difference, self.target.side, &blurring(&self.plane, self.target.bin, blur));
         0.5 * difference.iter().map(|d| f64::from(d.abs())).sum::<f64>()
     }
 
     /// About the share of the plate that the cutter fills with fillets.
     pub fn fillets(&self, z: &[f32]) -> f64 {
-        self.light.toll(&self.rims(z))
+        self.light.penalty(&self.edges(z))
     }
 }
 
@@ -266,7 +268,7 @@ fn range(z: &[f32]) -> (f32, f32) {
 /// How far the cutter may stay above a written valley, mm.
 pub const CLEARANCE: f64 = 0.45e-3;
 
-/// The sharpest fold in which a ball of `radius` mm comes as near as [`CLEARANCE`], R Δs²/8 above its bottom; or that of
+/// The sharpest edge in which a ball of `radius` mm comes as near as [`CLEARANCE`], R Δs²/8 above its bottom; or that of
 /// a hollow as round as the ball.
 fn sharpest_fold(lattice: Lattice, radius: f64) -> f64 {
     let alone = (8.0 * CLEARANCE / radius).sqrt();
@@ -293,22 +295,22 @@ fn conditioner(lattice: Lattice, i: usize, j: usize, finest: f64) -> f64 {
     (-4f64.ln() * (lattice.wave(i, j) * finest / TAU).powi(2)).exp() / slope
 }
 
-fn gaze_gains(plane: &Waves, bin: f64, gaze: Gaze) -> Vec<f32> {
+fn loss_gains(plane: &PeriodicFilter, bin: f64, scale: LossScale) -> Vec<f32> {
     let side = plane.side();
     plane.gains(|i, j| {
         let k2 = (frequency(i, side).powi(2) + frequency(j, side).powi(2)) / (bin * bin);
-        (-k2 * gaze.blur * gaze.blur).exp() / (k2 + (TAU / REACH).powi(2)).powf(gaze.alpha)
+        (-k2 * scale.blur * scale.blur).exp() / (k2 + (TAU / REACH).powi(2)).powf(scale.alpha)
     })
 }
 
 /// Gains of a Gaussian of standard deviation `blur` degrees over light.
-fn blurring(plane: &Waves, bin: f64, blur: f64) -> Vec<f32> {
+fn blurring(plane: &PeriodicFilter, bin: f64, blur: f64) -> Vec<f32> {
     // The square root of the gain of a loss without preference.
-    gaze_gains(plane, bin, Gaze { blur: blur / 2f64.sqrt(), alpha: 0.0, weighed: false })
+    loss_gains(plane, bin, LossScale { blur: blur / 2f64.sqrt(), alpha: 0.0, weighed: false })
 }
 
 /// 1 at the peak of the target, seen through half a degree, and more where it is darker.
-fn weight(plane: &Waves, target: &SlopeTarget) -> Vec<f32> {
+fn weight(plane: &PeriodicFilter, target: &SlopeTarget) -> Vec<f32> {
     let mut seen = target.wanted.clone();
     plane.filter(&mut seen, target.side, &blurring(plane, target.bin, 0.5));
     let peak = f64::from(seen.iter().fold(f32::MIN_POSITIVE, |m, v| m.max(*v)));

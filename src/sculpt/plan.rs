@@ -1,12 +1,12 @@
-//! What a continuous relief shall be, the steps to it, and what each costs.
+//! What a sheet shall be, the steps to it, and what each costs.
 
 use glam::DVec2;
 
-use super::objective::Gaze;
+use super::objective::LossScale;
 
-/// What a continuous relief shall be.
+/// What a sheet shall be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sculpting {
+pub struct SheetSettings {
     /// Size of a cell, mm.
     pub cell: DVec2,
     /// Cells along x and y.
@@ -16,7 +16,7 @@ pub struct Sculpting {
     /// Radius of the ball cutter that the relief is for, mm.
     pub cutter: Option<f64>,
     /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
-    pub levelling: f64,
+    pub polish: f64,
     /// Waves shorter than this are damped, mm; 0 damps none.
     pub min_feature: f64,
     /// The most that a cell may rise from its lowest to its highest point about its mean plane, mm.
@@ -42,15 +42,15 @@ pub const TOLERANCE: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
     /// How it looks at light.
-    pub gaze: Gaze,
+    pub scale: LossScale,
     /// Steps at the most.
     pub steps: usize,
-    /// What folds that turn upward cost at its start, as a share of all loss.
-    pub folds: f64,
+    /// What concave edges that turn upward cost at its start, as a share of all loss.
+    pub concave: f64,
 }
 
-const fn stage(blur: f64, alpha: f64, steps: usize, folds: f64) -> Stage {
-    Stage { gaze: Gaze { blur, alpha, weighed: blur < 0.6 }, steps, folds }
+const fn stage(blur: f64, alpha: f64, steps: usize, concave: f64) -> Stage {
+    Stage { scale: LossScale { blur, alpha, weighed: blur < 0.6 }, steps, concave }
 }
 
 /// What every start goes through on the coarse grid, before some rounds of matching and a last descent: only then can be
@@ -61,7 +61,7 @@ pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0
 pub const TRIAL_ROUNDS: usize = 15;
 
 /// What follows them: where steps are cheap, as many as it takes to tell which start is best for a logo of many pieces.
-pub fn trial_descent(sculpting: &Sculpting) -> Stage {
+pub fn trial_descent(sculpting: &SheetSettings) -> Stage {
     stage(0.5, 0.75, if sculpting.cutter.is_some() { 30 } else { 80 }, 1.0)
 }
 
@@ -125,7 +125,7 @@ impl Step {
 }
 
 /// The steps to a relief of `sculpting`, in order.
-pub fn plan(sculpting: &Sculpting) -> Vec<Step> {
+pub fn plan(sculpting: &SheetSettings) -> Vec<Step> {
     let mut nodes = halved(sculpting.grid, MIDDLE);
     let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }];
     // Where valleys may be sharp a descent alone gets as far, and logos of many pieces further.

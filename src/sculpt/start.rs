@@ -8,8 +8,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::fourier::frequency;
 
-use super::rims::Lattice;
-use super::waves::Waves;
+use super::edge_slopes::Lattice;
+use super::periodic_filter::PeriodicFilter;
 
 /// A shape to start from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ impl Start {
                 let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ u64::from(hills));
                 let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
                 let mut z: Vec<f32> = (0..n * n).map(|_| unit() as f32).collect();
-                let waves = Waves::new(n);
+                let waves = PeriodicFilter::new(n);
                 let gains = waves.gains(|i, j| {
                     let k = frequency(i, n).hypot(frequency(j, n)) * n as f64 / std::f64::consts::TAU;
                     (-(k - f64::from(hills)).powi(2) / (2.0 * 0.7 * 0.7)).exp()

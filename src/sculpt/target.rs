@@ -7,7 +7,7 @@
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
-use crate::distribution::Distribution;
+use crate::distribution::SlopeDistribution;
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::slope::Slope;
@@ -20,14 +20,14 @@ const MOST_BINS: usize = 640;
 
 /// Light landing on the slope plane: mass at a place in degrees relative to that of the mean slope.
 #[derive(Clone, Copy, Debug)]
-struct Mote {
+struct WeightedSlope {
     at: DVec2,
     mass: f64,
 }
 
 /// What slopes a relief shall have, ready to be binned as finely as a stage of the design needs.
 pub struct SlopePlane {
-    motes: Vec<Mote>,
+    slopes: Vec<WeightedSlope>,
     degrees: DMat2,
     low: DVec2,
     extent: f64,
@@ -51,7 +51,7 @@ impl SlopePlane {
     /// Carries the footprints of `distribution` over in pieces no wider than `finest` degrees.
     ///
     /// `None` if the mean slope has no image or its neighbourhood no extent.
-    pub fn new(distribution: &Distribution, finest: f64) -> Option<Self> {
+    pub fn new(distribution: &SlopeDistribution, finest: f64) -> Option<Self> {
         let setup = &distribution.setup;
         let per_degree = setup.view().blur_pixels(1f64.to_radians(), 2);
         let mean = distribution.mean.to_vec();
@@ -66,7 +66,7 @@ impl SlopePlane {
         let pixel = 2.0 / (width.min(height) as f64 * per_degree);
         let pieces = ((pixel / finest).ceil() as usize).clamp(1, 64);
         let share = 1.0 / (pieces * pieces) as f64;
-        let motes: Vec<Mote> = (0..width * height)
+        let slopes: Vec<WeightedSlope> = (0..width * height)
             .into_par_iter()
             .filter(|k| values[*k] > 0.0)
             .flat_map_iter(|k| {
@@ -74,14 +74,14 @@ impl SlopePlane {
                 (0..pieces * pieces).filter_map(move |piece| {
                     let (x, y) = (column + piece % pieces, row + piece / pieces);
                     let slope = setup.slope_at(View::pixel_centre(x, y, width * pieces, height * pieces))?;
-                    Some(Mote { at: degrees * (slope.to_vec() - mean), mass: share * values[k] })
+                    Some(WeightedSlope { at: degrees * (slope.to_vec() - mean), mass: share * values[k] })
                 })
             })
             .collect();
-        let range = motes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |r, m| (r.0.min(m.at), r.1.max(m.at)));
+        let range = slopes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |r, m| (r.0.min(m.at), r.1.max(m.at)));
         let extent = (range.1 - range.0).max_element() + 2.0 * MARGIN;
         let low = 0.5 * (range.0 + range.1) - 0.5 * extent;
-        (extent.is_finite() && low.is_finite()).then_some(Self { motes, degrees, low, extent })
+        (extent.is_finite() && low.is_finite()).then_some(Self { slopes, degrees, low, extent })
     }
 
     /// The target in bins `bin` degrees wide, or wider if they would be too many.
@@ -89,15 +89,15 @@ impl SlopePlane {
         let bin = bin.max(self.extent / (MOST_BINS - 2) as f64);
         let side = (self.extent / bin).ceil() as usize + 2;
         let mut wanted = vec![0.0f64; side * side];
-        for mote in &self.motes {
-            let at = (mote.at - self.low) / bin;
+        for slope in &self.slopes {
+            let at = (slope.at - self.low) / bin;
             let (i, j) = (at.x as usize, at.y as usize);
             let (a, b) = (at.x - i as f64, at.y - j as f64);
             let place = &mut wanted[j * side + i..];
-            place[0] += mote.mass * (1.0 - a) * (1.0 - b);
-            place[1] += mote.mass * a * (1.0 - b);
-            place[side] += mote.mass * (1.0 - a) * b;
-            place[side + 1] += mote.mass * a * b;
+            place[0] += slope.mass * (1.0 - a) * (1.0 - b);
+            place[1] += slope.mass * a * (1.0 - b);
+            place[side] += slope.mass * (1.0 - a) * b;
+            place[side + 1] += slope.mass * a * b;
         }
         let total: f64 = wanted.iter().sum();
         SlopeTarget {
@@ -117,13 +117,13 @@ impl SlopePlane {
     /// `n` slopes relative to the mean that stand for the target, equal shares each, in no particular order.
     pub fn samples(&self, n: usize) -> Vec<DVec2> {
         let back = self.degrees.inverse();
-        let total: f64 = self.motes.iter().map(|m| m.mass).sum();
+        let total: f64 = self.slopes.iter().map(|m| m.mass).sum();
         let (mut mass, mut next) = (0.0, 0);
         let mut samples = Vec::with_capacity(n);
-        for mote in &self.motes {
-            mass += mote.mass / total;
+        for slope in &self.slopes {
+            mass += slope.mass / total;
             while next < n && (next as f64 + 0.5) / (n as f64) <= mass {
-                samples.push(back * mote.at);
+                samples.push(back * slope.at);
                 next += 1;
             }
         }
@@ -135,9 +135,9 @@ impl SlopePlane {
     /// Root of the mean square of the slopes about their mean, along x and y.
     pub fn spread(&self) -> DVec2 {
         let back = self.degrees.inverse();
-        let (sum, mass) = self.motes.iter().fold((DVec2::ZERO, 0.0), |(sum, mass), mote| {
-            let slope = back * mote.at;
-            (sum + mote.mass * slope * slope, mass + mote.mass)
+        let (sum, mass) = self.slopes.iter().fold((DVec2::ZERO, 0.0), |(sum, mass), slope| {
+            let s = back * slope.at;
+            (sum + slope.mass * s * s, mass + slope.mass)
         });
         let mean = sum / mass;
         DVec2::new(mean.x.sqrt(), mean.y.sqrt())
@@ -147,16 +147,17 @@ impl SlopePlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::distribution::DistributionSettings;
+    use crate::distribution::SlopeDistributionSettings;
     use crate::highlight::{Highlight, Quantity};
     use crate::projection::Projection;
     use crate::setup::Setup;
 
-    fn plane(theta: f64) -> (Distribution, SlopePlane) {
+    fn plane(theta: f64) -> (SlopeDistribution, SlopePlane) {
         let setup = Setup::new(theta, 0.4, 0.0, Projection::Equidistant, f64::to_radians(20.0));
         let light = Raster::from_fn(40, 40, |x, y| if x > 8 && y < 30 { 1.0 + x as f64 } else { 0.0 });
         let highlight = Highlight::new(&light, Quantity::Flux, &setup).unwrap();
-        let wanted = Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap();
+        let wanted =
+            SlopeDistribution::new(&highlight, &setup, &SlopeDistributionSettings::default(), |_| 1.0).unwrap();
         let plane = SlopePlane::new(&wanted, 0.25).unwrap();
         (wanted, plane)
     }

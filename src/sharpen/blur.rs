@@ -12,7 +12,7 @@ use crate::slope::{Slope, mirror};
 /// a lamp seen at a slant is narrower on an orthographic image, and where light comes in at θ a tilt across its plane
 /// deflects it by cos θ less than one along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blur {
+pub struct BlurKernel {
     /// (u, v) of a point of the unit disc.
     pub(super) disc: DMat2,
     /// (u, v) of a point of the normal distribution of variance 1.
@@ -21,7 +21,7 @@ pub struct Blur {
     pub(super) degree: DMat2,
 }
 
-impl Blur {
+impl BlurKernel {
     /// The blur under the lamp of `setup`, in metal that adds deflections of standard deviation `lobe` (radians, along
     /// each axis, at normal incidence).
     ///
@@ -75,7 +75,7 @@ mod tests {
                 (Projection::Orthographic, half_field.sin(), [slant, 1.0]),
             ] {
                 let setup = Setup::new(theta, 0.4, radius, projection, half_field);
-                let blur = Blur::new(&setup, lobe).unwrap();
+                let blur = BlurKernel::new(&setup, lobe).unwrap();
                 let expected = |along: f64, across: f64| {
                     let [a, b] = [along * seen[0] / plane, across * seen[1] / plane];
                     [a.max(b), a.min(b)]
@@ -97,8 +97,8 @@ mod tests {
     #[test]
     fn nothing_blurs_where_there_is_neither_disc_nor_lobe() {
         let setup = |radius| Setup::new(0.3, 0.4, radius, Projection::Orthographic, 0.3);
-        assert_eq!(Blur::new(&setup(0.0), 0.0), None);
-        assert_eq!(Blur::new(&setup(0.0), f64::NAN), None);
-        assert!(Blur::new(&setup(0.01), 0.0).is_some() && Blur::new(&setup(0.0), 0.01).is_some());
+        assert_eq!(BlurKernel::new(&setup(0.0), 0.0), None);
+        assert_eq!(BlurKernel::new(&setup(0.0), f64::NAN), None);
+        assert!(BlurKernel::new(&setup(0.01), 0.0).is_some() && BlurKernel::new(&setup(0.0), 0.01).is_some());
     }
 }

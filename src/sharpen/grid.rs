@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat2, DVec2};
 use rustfft::num_complex::Complex64;
 
-use super::blur::Blur;
+use super::blur::BlurKernel;
 use crate::fourier::{Fourier, smooth_size};
 use crate::raster::Raster;
 
@@ -17,7 +17,7 @@ const BLOCKS_PER_BLUR: f64 = 4.0;
 
 /// `picture` with its pixels cut into equal parts, so that the blur's narrower standard deviation is a pixel or more, if
 /// [`FINEST`] allows: how light strays within a pixel cannot be told by pixels.
-pub fn cut(picture: &Raster, blur: &Blur) -> Raster {
+pub fn cut(picture: &Raster, blur: &BlurKernel) -> Raster {
     let longer = picture.width.max(picture.height).max(1);
     let parts = (1.0 / narrower(spread(blur, picture))).min((FINEST / longer) as f64).ceil().max(1.0) as usize;
     picture.resampled(parts * picture.width, parts * picture.height)
@@ -29,7 +29,7 @@ fn pixels(picture: &Raster) -> DMat2 {
 }
 
 /// Covariance of the blur, pixels² of `picture`.
-fn spread(blur: &Blur, picture: &Raster) -> DMat2 {
+fn spread(blur: &BlurKernel, picture: &Raster) -> DMat2 {
     let pixels = pixels(picture);
     // An even disc of radius 1 has variance 1/4 along each axis.
     0.25 * covariance(pixels * blur.disc) + covariance(pixels * blur.lobe)
@@ -51,7 +51,7 @@ pub struct Grid {
 
 impl Grid {
     /// A grid for pictures of the size of `picture`.
-    pub fn new(blur: &Blur, picture: &Raster) -> Self {
+    pub fn new(blur: &BlurKernel, picture: &Raster) -> Self {
         let longer = picture.width.max(picture.height);
         let fine = (narrower(spread(blur, picture)) / BLOCKS_PER_BLUR) as usize;
         let block = fine.max(longer.div_ceil(FINEST)).clamp(1, longer.max(1));

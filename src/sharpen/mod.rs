@@ -13,7 +13,7 @@ mod blur;
 
 mod grid;
 
-pub use blur::Blur;
+pub use blur::BlurKernel;
 
 use crate::progress::Progress;
 use crate::raster::Raster;
@@ -59,7 +59,7 @@ const ENOUGH: f64 = 1e-4;
 /// The sum stays, dark pixels stay dark, and what is seen is never farther from the drawing than it was. Detail of the
 /// drawing that is too fine for the blur is kept as it is; pixels that are too wide for it are cut into equal parts, so
 /// that there may be more of them afterwards. Cancelled, it leaves the best so far.
-pub fn sharpen(flux: &mut Raster, blur: &Blur, progress: &Progress) -> Sharpening {
+pub fn sharpen(flux: &mut Raster, blur: &BlurKernel, progress: &Progress) -> Sharpening {
     let mut fine = cut(flux, blur);
     let grid = Grid::new(blur, &fine);
     let drawn = grid.laid_out(&fine);
@@ -103,7 +103,7 @@ pub fn sharpen(flux: &mut Raster, blur: &Blur, progress: &Progress) -> Sharpenin
 }
 
 /// `sent` (light per pixel) as it is seen through `blur`; light past the rim of the image is gone.
-pub fn seen(sent: &Raster, blur: &Blur) -> Raster {
+pub fn seen(sent: &Raster, blur: &BlurKernel) -> Raster {
     let fine = cut(sent, blur);
     let grid = Grid::new(blur, &fine);
     let light = grid.through(&grid.blurred(1.0, &[]), &grid.laid_out(&fine));

@@ -38,7 +38,7 @@ fn ring(side: usize) -> Raster {
 #[test]
 fn a_gaussian_sharpened_by_a_narrower_one_is_the_gaussian_of_the_difference_of_variances() {
     let (wide, narrow) = (f64::to_radians(2.5), f64::to_radians(1.5));
-    let blur = Blur::new(&setup(0.0, 0.0, Projection::Equidistant), narrow).unwrap();
+    let blur = BlurKernel::new(&setup(0.0, 0.0, Projection::Equidistant), narrow).unwrap();
     let mut light = blob(128, wide);
     let worth = sharpen(&mut light, &blur, &Progress::silent());
     let expected = blob(128, (wide * wide - (AGAINST * narrow).powi(2)).sqrt());
@@ -63,7 +63,7 @@ fn sharpened_light_is_positive_as_much_as_before_dark_where_it_was_and_seen_no_w
             (0.0, 0.001, 0.0, Projection::Equidistant),
             (0.0, 60.0, 10.0, Projection::Equidistant),
         ] {
-            let blur = Blur::new(&setup(theta, radius, projection), f64::to_radians(lobe)).unwrap();
+            let blur = BlurKernel::new(&setup(theta, radius, projection), f64::to_radians(lobe)).unwrap();
             let mut light = picture.clone();
             let worth = sharpen(&mut light, &blur, &Progress::silent());
             let what = format!("{} pixels, {radius}°, {lobe}°: {worth:?}", picture.width);
@@ -81,7 +81,7 @@ fn sharpened_light_is_positive_as_much_as_before_dark_where_it_was_and_seen_no_w
 
 #[test]
 fn what_is_claimed_is_what_is_seen() {
-    let blur = Blur::new(&setup(0.0, 1.0, Projection::Equidistant), f64::to_radians(0.5)).unwrap();
+    let blur = BlurKernel::new(&setup(0.0, 1.0, Projection::Equidistant), f64::to_radians(0.5)).unwrap();
     let drawn = ring(256);
     let mut light = drawn.clone();
     let worth = sharpen(&mut light, &blur, &Progress::silent());
@@ -121,7 +121,7 @@ fn a_known_sharp_picture_is_recovered_from_its_blur() {
         0.5 * apart / planted.sum()
     };
     for (radius, lobe) in [(1.0, 0.0), (0.0, 0.7), (0.7, 0.5)] {
-        let blur = Blur::new(&setup(0.0, radius, Projection::Equidistant), f64::to_radians(lobe)).unwrap();
+        let blur = BlurKernel::new(&setup(0.0, radius, Projection::Equidistant), f64::to_radians(lobe)).unwrap();
         let drawn = seen(&planted, &blur);
         let mut light = drawn.clone();
         let worth = sharpen(&mut light, &blur, &Progress::silent());
@@ -132,7 +132,7 @@ fn a_known_sharp_picture_is_recovered_from_its_blur() {
 
 #[test]
 fn threads_change_no_byte() {
-    let blur = Blur::new(&setup(0.3, 1.0, Projection::Screen), 0.01).unwrap();
+    let blur = BlurKernel::new(&setup(0.3, 1.0, Projection::Screen), 0.01).unwrap();
     let sharpened = || {
         let mut light = ring(200);
         let worth = sharpen(&mut light, &blur, &Progress::silent());
@@ -145,7 +145,7 @@ fn threads_change_no_byte() {
 #[test]
 fn pictures_finer_than_the_blur_keep_their_detail() {
     // Blocks of pixels are brightened as wholes; within them neighbours keep their ratios.
-    let blur = Blur::new(&setup(0.0, 0.0, Projection::Equidistant), f64::to_radians(2.0)).unwrap();
+    let blur = BlurKernel::new(&setup(0.0, 0.0, Projection::Equidistant), f64::to_radians(2.0)).unwrap();
     let drawn = Raster::from_fn(600, 600, |x, y| if (x / 150 + y / 150) % 2 == 0 { 1.0 + (x % 2) as f64 } else { 0.2 });
     let mut light = drawn.clone();
     let worth = sharpen(&mut light, &blur, &Progress::silent());
@@ -160,7 +160,7 @@ fn pictures_finer_than_the_blur_keep_their_detail() {
 
 #[test]
 fn darkness_and_cancelled_work_are_left_alone() {
-    let blur = Blur::new(&setup(0.0, 1.0, Projection::Screen), 0.01).unwrap();
+    let blur = BlurKernel::new(&setup(0.0, 1.0, Projection::Screen), 0.01).unwrap();
     let mut dark = Raster::zeros(20, 20);
     assert_eq!(sharpen(&mut dark, &blur, &Progress::silent()), Sharpening::default());
     assert_eq!(dark, Raster::zeros(20, 20));

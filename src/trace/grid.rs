@@ -8,7 +8,7 @@
 use glam::{DVec2, DVec3};
 
 use super::cones::Cones;
-use super::field::{Field, Nodes, Planes, Stretch};
+use super::height_field::{HeightField, Nodes, Planes, Stretch};
 use super::lines::Lines;
 use super::{Hit, Kind, Surface};
 use crate::relief::faceted::FacetedRelief;
@@ -94,13 +94,13 @@ impl GridSurface<Planes> {
 }
 
 impl GridSurface<Nodes> {
-    /// The triangles of a continuous relief.
+    /// The triangles of a sheet.
     pub fn continuous(grid: &HeightGrid) -> Self {
         Self::over(Lines::new(&grid.x), Lines::new(&grid.y), Nodes::new(grid), grid.height_range(), false)
     }
 }
 
-impl<F: Field> GridSurface<F> {
+impl<F: HeightField> GridSurface<F> {
     fn over(x: Lines, y: Lines, field: F, heights: (f64, f64), periodic: bool) -> Self {
         let columns = x.intervals();
         let tops: Vec<f64> = (0..columns * y.intervals()).map(|k| field.top(k % columns, k / columns)).collect();
@@ -286,7 +286,7 @@ const SEAM: f64 = 1e-12;
 /// Copies of a panel after which a ray that skims along it is let go.
 const MOST_PERIODS: usize = 1000;
 
-impl<F: Field> Surface for GridSurface<F> {
+impl<F: HeightField> Surface for GridSurface<F> {
     type Place = Cell;
 
     #[inline]

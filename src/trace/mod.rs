@@ -4,13 +4,13 @@ pub mod lines;
 
 pub mod cones;
 
-pub mod field;
+pub mod height_field;
 
 pub mod grid;
 
 pub mod mesh;
 
-pub mod plate;
+pub mod traced_plate;
 
 pub mod path;
 

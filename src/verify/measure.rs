@@ -10,17 +10,17 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::exact;
+use super::first_bounce;
 use super::lamp::Lamp;
 use super::launch::RayGrid;
-use super::near::Rays;
+use super::near_lamp::Rays;
 use super::tally::{Measurement, PARTS, Tally};
 use crate::brdf::material::Material;
 use crate::progress::Progress;
 use crate::projection::View;
 use crate::setup::Setup;
 use crate::trace::path::{End, Follower};
-use crate::trace::plate::Task;
+use crate::trace::traced_plate::Task;
 use crate::trace::{Hit, Kind, Surface};
 
 /// How finely light is measured.
@@ -109,7 +109,7 @@ pub fn measure<S: Surface>(
     collect(experiment, &screen, measuring, progress)
 }
 
-/// Any plate of some metal under the setup's own round lamp: [`measure`] for [`Plate::run`](crate::trace::plate::Plate::run).
+/// Any plate of some metal under the setup's own round lamp: [`measure`] for [`Plate::run`](crate::trace::traced_plate::TracedPlate::run).
 #[derive(Clone, Copy)]
 pub struct Mirrored<'a> {
     /// Light and image.
@@ -168,7 +168,7 @@ fn round<S: Surface, C: Screen>(
 ) -> Option<Measurement> {
     let known = experiment.lamp.is_point() && experiment.material.is_smooth() && experiment.surface.facets() > 0;
     let parts = if known {
-        exact::parts(experiment, screen, measuring, progress)
+        first_bounce::parts(experiment, screen, measuring, progress)
     } else {
         sent(experiment, screen, measuring, |_| true, progress)
     };

@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::exact::{Beams, scattered};
+use super::first_bounce::{Beams, scattered};
 use crate::progress::Progress;
 use crate::slope::{direction, flat_mirror};
 use crate::trace::{Hit, Surface};

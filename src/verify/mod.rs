@@ -12,9 +12,9 @@ pub mod tally;
 
 pub mod launch;
 
-mod near;
+mod near_lamp;
 
-mod exact;
+mod first_bounce;
 
 pub mod measure;
 
@@ -26,9 +26,9 @@ pub mod wall;
 
 pub mod camera;
 
-mod gather;
+mod path_tracer;
 
-pub mod look;
+pub mod render;
 
 pub mod verdict;
 

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! What finite distances blur: every point of the plate throws its own picture, so that a flat mirror's spot is as large
-//! as the plate itself, times 1 + W/D; and a lamp of radius r is spread to r W/D, as by a pinhole. [`Blur`] has both.
+//! as the plate itself, times 1 + W/D; and a lamp of radius r is spread to r W/D, as by a pinhole. [`WallBlur`] has both.
 //! Neither lamp nor wall casts a shadow on the other's light.
 
 use glam::{DMat3, DVec2, DVec3};
@@ -18,7 +18,7 @@ use thiserror::Error;
 
 use super::launch::RayGrid;
 use super::measure::{Experiment, Measuring, follow_all, until_error};
-use super::near::{NearGrid, Rays};
+use super::near_lamp::{NearGrid, Rays};
 use super::tally::{Measurement, Tally};
 use crate::progress::Progress;
 use crate::projection::{View, carried_axes};
@@ -28,7 +28,7 @@ use crate::trace::path::{End, Fate};
 
 /// Where lamp and wall are. The lamp stands toward the setup's light, the wall where a flat plate would throw it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Throw {
+pub struct WallSettings {
     /// From the plate's middle to the lamp's, mm. Infinite: the experiment's own distant lamp.
     pub lamp_distance: f64,
     /// Radius of the lamp, a ball of even radiance, mm; 0 is a point. A distant lamp has its own angular radius.
@@ -41,7 +41,7 @@ pub struct Throw {
     pub half_width: f64,
 }
 
-impl Default for Throw {
+impl Default for WallSettings {
     /// A distant lamp, and two metres of wall one metre away.
     fn default() -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Default for Throw {
 
 /// Full widths along u and v of what finite sizes and distances make of a point of the highlight, mm on the wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blur {
+pub struct WallBlur {
     /// The whole plate's own image, were it a flat mirror under a point of light.
     pub plate: DVec2,
     /// The lamp's image through the plate's middle, as by a pinhole; that of a distant lamp's reach.
@@ -69,16 +69,16 @@ pub struct Blur {
 
 /// Light on the wall.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Thrown {
+pub struct WallImage {
     /// All light. `up` is what meets the wall, within its picture or beyond; `escaped_down` what meets no wall.
     pub measurement: Measurement,
     /// What the distances blur.
-    pub blur: Blur,
+    pub blur: WallBlur,
     /// From the middle of the picture to its rim, mm.
     pub half_width: f64,
 }
 
-impl Throw {
+impl WallSettings {
     /// What values may be in general; lengths in mm.
     pub const LENGTH: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
     /// The steepest wall, degrees.
@@ -90,9 +90,9 @@ impl Throw {
     ///
     /// # Errors
     /// A value out of its range, a lamp that dips into the plate or a wall that cuts it.
-    pub fn check<S: Surface>(&self, experiment: &Experiment<'_, S>, measuring: &Measuring) -> Result<(), ThrowError> {
+    pub fn check<S: Surface>(&self, experiment: &Experiment<'_, S>, measuring: &Measuring) -> Result<(), WallError> {
         let length = |what, value: f64| {
-            if Self::LENGTH.contains(&value) { Ok(()) } else { Err(ThrowError::Length { what, value }) }
+            if Self::LENGTH.contains(&value) { Ok(()) } else { Err(WallError::Length { what, value }) }
         };
         if self.lamp_distance != f64::INFINITY {
             length("distance of the lamp", self.lamp_distance)?;
@@ -103,20 +103,20 @@ impl Throw {
             length("radius of the lamp", self.lamp_radius)?;
         }
         if !(-Self::MOST_TILT..=Self::MOST_TILT).contains(&self.wall_tilt) {
-            return Err(ThrowError::Tilt(self.wall_tilt));
+            return Err(WallError::Tilt(self.wall_tilt));
         }
         if !(1..=Self::MOST_PIXELS).contains(&measuring.resolution) || measuring.rays == 0 {
-            return Err(ThrowError::Measuring);
+            return Err(WallError::Measuring);
         }
         let wall = Wall::new(self, experiment);
         let (_, top) = experiment.surface.height_range();
         if wall.lamp(self).is_some_and(|lamp| lamp.z - self.lamp_radius <= top + 1e-3 * Self::LENGTH.start()) {
-            return Err(ThrowError::LampInPlate { distance: self.lamp_distance });
+            return Err(WallError::LampInPlate { distance: self.lamp_distance });
         }
         let bottom = experiment.surface.height_range().0;
         let behind = |corner: DVec2| [bottom, top].into_iter().any(|z| wall.depth(corner.extend(z)) <= 0.0);
         if corners(experiment.surface).into_iter().any(behind) {
-            return Err(ThrowError::WallInPlate { distance: self.wall_distance, tilt: self.wall_tilt });
+            return Err(WallError::WallInPlate { distance: self.wall_distance, tilt: self.wall_tilt });
         }
         Ok(())
     }
@@ -124,7 +124,7 @@ impl Throw {
     /// By how much finite distances and sizes blur; all closed forms.
     ///
     /// Meaningful only for values that pass [`check`](Self::check).
-    pub fn blur<S: Surface>(&self, experiment: &Experiment<'_, S>) -> Blur {
+    pub fn blur<S: Surface>(&self, experiment: &Experiment<'_, S>) -> WallBlur {
         let wall = Wall::new(self, experiment);
         let source = wall.lamp(self).map(|lamp| lamp.with_z(2.0 * wall.middle.z - lamp.z));
         let thrown = |corner: DVec2| {
@@ -153,7 +153,7 @@ impl Throw {
             DVec2::INFINITY
         };
         let plate_angle = DVec2::new(plate.x, plate.y * cos).map(|width| 2.0 * (0.5 * width / w).atan());
-        Blur { plate, lamp, plate_angle, lamp_angle: 2.0 * half }
+        WallBlur { plate, lamp, plate_angle, lamp_angle: 2.0 * half }
     }
 }
 
@@ -170,7 +170,7 @@ struct Wall {
 }
 
 impl Wall {
-    fn new<S: Surface>(throw: &Throw, experiment: &Experiment<'_, S>) -> Self {
+    fn new<S: Surface>(throw: &WallSettings, experiment: &Experiment<'_, S>) -> Self {
         let (low, high) = experiment.surface.optical_area();
         let (bottom, top) = experiment.surface.height_range();
         let middle = (0.5 * (low + high)).extend(0.5 * (bottom + top));
@@ -194,7 +194,7 @@ impl Wall {
     }
 
     /// The lamp's middle, unless it is distant.
-    fn lamp(&self, throw: &Throw) -> Option<DVec3> {
+    fn lamp(&self, throw: &WallSettings) -> Option<DVec3> {
         throw.lamp_distance.is_finite().then(|| self.middle + throw.lamp_distance * self.light)
     }
 
@@ -220,7 +220,7 @@ fn corners<S: Surface>(surface: &S) -> [DVec2; 4] {
     [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)]
 }
 
-impl Thrown {
+impl WallImage {
     /// Shares of incident light that land in the picture, on the wall beyond it, and nowhere on the wall, each with
     /// its standard error. The rest is taken by the material, by the plate's sides or is still bouncing.
     pub fn shares(&self) -> [(f64, f64); 3] {
@@ -253,13 +253,13 @@ impl Thrown {
 /// The picture has `measuring.resolution` pixels a side, and goes on until `measuring.error`, if any; an endless panel is lit, and throws light, within one period.
 ///
 /// # Errors
-/// See [`Throw::check`]; also if no ray met the plate, or the work was cancelled.
+/// See [`WallSettings::check`]; also if no ray met the plate, or the work was cancelled.
 pub fn throw<S: Surface>(
     experiment: &Experiment<'_, S>,
-    throw: &Throw,
+    throw: &WallSettings,
     measuring: &Measuring,
     progress: &Progress,
-) -> Result<Thrown, ThrowError> {
+) -> Result<WallImage, WallError> {
     throw.check(experiment, measuring)?;
     let wall = Wall::new(throw, experiment);
     let round = |measuring: &Measuring| {
@@ -281,16 +281,16 @@ pub fn throw<S: Surface>(
         let parts = follow_all(experiment, &rays, (n, n), measuring, |_| true, || land, progress);
         Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
     };
-    let unlit = || if progress.is_cancelled() { ThrowError::Cancelled } else { ThrowError::Unlit };
+    let unlit = || if progress.is_cancelled() { WallError::Cancelled } else { WallError::Unlit };
     let measurement = until_error(measuring, round).ok_or_else(unlit)?;
-    Ok(Thrown { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
+    Ok(WallImage { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
 }
 
 /// Why no light is thrown on a wall.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum ThrowError {
+pub enum WallError {
     /// A length out of range.
-    #[error("the {what} must be {low} to {high} mm, not {value}", low = Throw::LENGTH.start(), high = Throw::LENGTH.end())]
+    #[error("the {what} must be {low} to {high} mm, not {value}", low = WallSettings::LENGTH.start(), high = WallSettings::LENGTH.end())]
     Length {
         /// Which.
         what: &'static str,
@@ -298,10 +298,10 @@ pub enum ThrowError {
         value: f64,
     },
     /// A wall seen from the side.
-    #[error("the wall's tilt must be within ±{most} degrees, not {0}", most = Throw::MOST_TILT)]
+    #[error("the wall's tilt must be within ±{most} degrees, not {0}", most = WallSettings::MOST_TILT)]
     Tilt(f64),
     /// No pixels, too many, or no rays.
-    #[error("the wall's picture must be 1 to {most} pixels wide, with at least one ray", most = Throw::MOST_PIXELS)]
+    #[error("the wall's picture must be 1 to {most} pixels wide, with at least one ray", most = WallSettings::MOST_PIXELS)]
     Measuring,
     /// The lamp is too near for its size and angle.
     #[error(

@@ -17,7 +17,7 @@ use crate::raster::Raster;
 use crate::relief::heights::rises;
 use crate::relief::periodic::PeriodicRelief;
 use crate::setup::Setup;
-use crate::sharpen::{Blur, seen};
+use crate::sharpen::{BlurKernel, seen};
 use crate::slope::{Slope, mirror};
 
 /// Windows of half a cell: one at a random place in each of 4 × 4 parts of the cell.
@@ -50,11 +50,11 @@ pub struct Likeness {
 pub fn likeness(
     relief: &PeriodicRelief,
     setup: &Setup,
-    blur: Option<&Blur>,
+    blur: Option<&BlurKernel>,
     target: &Raster,
     seed: u64,
 ) -> Option<Likeness> {
-    let light = FirstLight::new(relief, setup, (target.width, target.height));
+    let light = FirstBounce::new(relief, setup, (target.width, target.height));
     let n = relief.nodes;
     let wanted = blurred(target, setup.view(), MAIN_BLUR.to_radians());
     let misplaced = |corners: &[[usize; 2]], side: usize| {
@@ -90,7 +90,7 @@ pub fn change<'a>(relief: &'a PeriodicRelief, setup: &'a Setup) -> impl Fn(&[f32
     let light = |heights: &[f32]| {
         let PeriodicRelief { nodes, cell, cells, tilt, .. } = *relief;
         let other = PeriodicRelief { nodes, heights: heights.to_vec(), cell, cells, tilt };
-        FirstLight::new(&other, setup, CHANGE_RESOLUTION).window([0, 0], nodes)
+        FirstBounce::new(&other, setup, CHANGE_RESOLUTION).window([0, 0], nodes)
     };
     let before = light(&relief.heights).map(|image| blurred(&image, setup.view(), MAIN_BLUR.to_radians()));
     move |heights| match (&before, light(heights)) {
@@ -112,16 +112,16 @@ fn misplaced(light: &Raster, wanted: &Raster, view: &View) -> f64 {
 }
 
 /// Where the triangles of one cell send light at the first bounce.
-pub struct FirstLight {
+pub struct FirstBounce {
     nodes: usize,
     resolution: (usize, usize),
     /// Both triangles of every square.
-    glints: Vec<[Glint; 2]>,
+    triangles: Vec<[TriangleLight; 2]>,
 }
 
 /// The light of one triangle.
 #[derive(Clone, Copy)]
-struct Glint {
+struct TriangleLight {
     /// Pixel of the image; [`NOWHERE`] if it misses the image or is sent down.
     pixel: u32,
     /// Light that falls on it, in that of a triangle that faces the light.
@@ -130,7 +130,7 @@ struct Glint {
 
 const NOWHERE: u32 = u32::MAX;
 
-impl FirstLight {
+impl FirstBounce {
     /// For an image of `resolution` = (width, height) pixels.
     pub fn new(relief: &PeriodicRelief, setup: &Setup, resolution: (usize, usize)) -> Self {
         let n = relief.nodes;
@@ -142,7 +142,7 @@ impl FirstLight {
             let o = mirror(l, slope.normal());
             let uv = if o.z > 0.0 { setup.image_of(o) } else { None };
             let pixel = uv.and_then(|uv| View::pixel_at(uv, resolution.0, resolution.1));
-            Glint { pixel: pixel.map_or(NOWHERE, |(column, row)| (row * resolution.0 + column) as u32), light }
+            TriangleLight { pixel: pixel.map_or(NOWHERE, |(column, row)| (row * resolution.0 + column) as u32), light }
         };
         let square = |k: usize| {
             let (i, j) = (k % n, k / n);
@@ -155,8 +155,8 @@ impl FirstLight {
                 [glint([z10 - z00, z01 - z00]), glint([z11 - z01, z11 - z10])]
             }
         };
-        let glints = (0..n * n).into_par_iter().with_min_len(1 << 10).map(square).collect();
-        Self { nodes: n, resolution, glints }
+        let triangles = (0..n * n).into_par_iter().with_min_len(1 << 10).map(square).collect();
+        Self { nodes: n, resolution, triangles }
     }
 
     /// The image of the window of `side` squares a side whose lower left corner is node `corner`: shares of the light that
@@ -166,7 +166,7 @@ impl FirstLight {
         let mut image = Raster::zeros(self.resolution.0, self.resolution.1);
         let mut all = 0.0;
         for j in j0..j0 + side {
-            let row = &self.glints[j % n * n..][..n];
+            let row = &self.triangles[j % n * n..][..n];
             for glint in (i0..i0 + side).flat_map(|i| row[i % n]) {
                 let light = f64::from(glint.light);
                 all += light;
@@ -208,7 +208,7 @@ mod tests {
     /// Light that just such a cell would send, moved by a degree or so.
     fn moved(relief: &PeriodicRelief, setup: &Setup) -> Raster {
         let elsewhere = PeriodicRelief { tilt: Slope::new(0.03, -0.01), ..relief.clone() };
-        FirstLight::new(&elsewhere, setup, (SIDE, SIDE)).window([0, 0], relief.nodes).unwrap().normalised()
+        FirstBounce::new(&elsewhere, setup, (SIDE, SIDE)).window([0, 0], relief.nodes).unwrap().normalised()
     }
 
     #[test]
@@ -216,7 +216,7 @@ mod tests {
         let setup = setup(0.4);
         let relief = relief(40, [3, 3], hills(1.0));
         let target = moved(&relief, &setup);
-        let light = FirstLight::new(&relief, &setup, (SIDE, SIDE));
+        let light = FirstBounce::new(&relief, &setup, (SIDE, SIDE));
         let wanted = blurred(&target, setup.view(), MAIN_BLUR.to_radians());
         let whole = likeness(&relief, &setup, None, &target, 1).unwrap().cell;
         assert!(whole.mean > 0.01 && whole.mean < 0.5 && whole.largest == whole.mean);
@@ -245,7 +245,7 @@ mod tests {
         // brings back a little of the three quarters that are missing.
         let setup = setup(0.0);
         let dome = relief(128, [2, 2], |x, y| -0.15 * (2.0 * (x - 0.5).powi(2) + 3.0 * (y - 0.5).powi(2)));
-        let target = FirstLight::new(&dome, &setup, (SIDE, SIDE)).window([0, 0], 128).unwrap();
+        let target = FirstBounce::new(&dome, &setup, (SIDE, SIDE)).window([0, 0], 128).unwrap();
         let figures = likeness(&dome, &setup, None, &target, 7).unwrap();
         assert!(figures.cell.largest < 1e-9);
         assert!((figures.half_cell.mean - 0.68).abs() < 0.03, "{figures:?}");
@@ -296,9 +296,9 @@ mod tests {
         assert!(rises([1.0, 0.0, 0.0, 0.5]) && !rises([0.0, 1.0, 1.0, 0.0]) && !rises([0.0; 4]));
         // One high node: of the four squares around it the folds run down from it, and none lies across them.
         let spike = relief(4, [1, 1], |x, y| if x == 0.5 && y == 0.5 { 0.1 } else { 0.0 });
-        let light = FirstLight::new(&spike, &setup(0.0), (SIDE, SIDE));
-        let pixel = |k: usize| light.glints[k].map(|g| g.pixel);
-        let level = light.glints[0][0].pixel;
+        let light = FirstBounce::new(&spike, &setup(0.0), (SIDE, SIDE));
+        let pixel = |k: usize| light.triangles[k].map(|g| g.pixel);
+        let level = light.triangles[0][0].pixel;
         for k in [5, 6, 9, 10] {
             assert!(pixel(k).iter().all(|&p| p != level), "{k}");
         }

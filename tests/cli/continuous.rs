@@ -60,14 +60,14 @@ fn depth_and_levelling_are_obeyed_or_refused() {
     let line = "design ring.png -o deep --grid 64 --cells 2 --size 20x20 --for-cutter ball:5 --max-depth 0.01";
     assert_refused(&run_line(home.path(), line), 4, &["mm deep where 0.01 mm", "--max-depth", "--cells"]);
     assert!(!home.path().join("deep").exists());
-    let line = format!("design ring.png -o none {SHEET} --levelling 2.5");
-    assert_refused(&run_line(home.path(), &line), 4, &["--levelling", "quarter"]);
-    for flag in ["--levelling -1", "--max-depth 0", "--max-depth -3"] {
+    let line = format!("design ring.png -o none {SHEET} --polish 2.5");
+    assert_refused(&run_line(home.path(), &line), 4, &["--polish", "quarter"]);
+    for flag in ["--polish -1", "--max-depth 0", "--max-depth -3"] {
         let line = format!("design ring.png -o none {SHEET} {flag}");
         assert_refused(&run_line(home.path(), &line), 2, &[flag.split(' ').next().unwrap()]);
     }
     assert!(!home.path().join("none").exists());
-    assert_done(&run_line(home.path(), &format!("design ring.png -o levelled {SHEET} --levelling 0.1")));
+    assert_done(&run_line(home.path(), &format!("design ring.png -o polished {SHEET} --polish 0.1")));
     let stl = |name: &str| fs::read(home.path().join(name).join("plate.stl")).unwrap();
-    assert!(stl("free") != stl("levelled"));
+    assert!(stl("free") != stl("polished"));
 }

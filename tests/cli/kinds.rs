@@ -11,10 +11,10 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     let folder = |name: &str| home.path().join(name);
     let told = run_line(home.path(), "design ring.png -o sheet --grid 32 --rays 20000");
     assert_done(&told);
-    assert!(told.stdout.contains("3 × 3 cells of a continuous relief"), "{}", told.stdout);
+    assert!(told.stdout.contains("3 × 3 cells of a sheet"), "{}", told.stdout);
     assert!(told.stdout.contains("Note: No cutter was named"), "{}", told.stdout);
     let report = json(folder("sheet/report.json"));
-    assert!(report["design"]["surface"].as_str().unwrap().starts_with("continuous: nothing asked"), "{report}");
+    assert!(report["design"]["surface"].as_str().unwrap().starts_with("sheet: nothing asked"), "{report}");
     assert_eq!(report["design"]["continuous"]["cells"], serde_json::json!([3, 3]));
     // A recipe of ours is taken again, and may be turned to the other kind and back.
     assert_done(&run_line(home.path(), "design --recipe sheet/recipe.toml -o again"));
@@ -22,7 +22,7 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     let flat = run_line(home.path(), "design --recipe sheet/recipe.toml -o flat --surface flat --facets 8x6");
     assert_done(&flat);
     assert!(flat.stdout.contains("8 × 6 facets") && !flat.stdout.contains("cutter was named"), "{}", flat.stdout);
-    assert_eq!(json(folder("flat/report.json"))["design"]["surface"], "flat: as --surface asks");
+    assert_eq!(json(folder("flat/report.json"))["design"]["surface"], "facets: as --surface asks");
     assert_done(&run_line(home.path(), "design --recipe flat/recipe.toml -o flat2 --no-verify"));
     let line = "design --recipe flat/recipe.toml -o back --surface continuous --grid 32";
     assert_done(&run_line(home.path(), line));
@@ -30,11 +30,11 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     assert!(stl("back") == stl("sheet") && stl("flat") == stl("flat2"));
 
     assert_done(&run_line(home.path(), "design ring.png -o random --arrange random --no-verify"));
-    assert_eq!(json(folder("random/report.json"))["design"]["surface"], "flat: --arrange asks for facets");
+    assert_eq!(json(folder("random/report.json"))["design"]["surface"], "facets: --arrange asks for facets");
     let mixed = run_line(home.path(), "design --recipe sheet/recipe.toml -o none --facets 8x6");
-    assert_refused(&mixed, 2, &["--grid is for a continuous relief", "--facets"]);
+    assert_refused(&mixed, 2, &["--grid is for a sheet", "--facets"]);
     let mixed = run_line(home.path(), "design --recipe flat/recipe.toml -o none --max-depth 1");
-    assert_refused(&mixed, 2, &["--max-depth is for a continuous relief", "--surface"]);
+    assert_refused(&mixed, 2, &["--max-depth is for a sheet", "--surface"]);
 }
 
 #[test]

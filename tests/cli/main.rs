@@ -20,7 +20,7 @@ use serde_json::Value;
 /// A plate that takes a moment.
 const SMALL: &str = "--facets 8x6 --rays 20000";
 
-/// A continuous design that takes a moment.
+/// A sheet that takes a moment.
 const SHEET: &str = "--surface continuous --grid 64 --cells 2 --size 20x20 --no-verify";
 
 const ALL_FILES: [&str; 9] = [

@@ -124,7 +124,7 @@ fn help_names_every_flag_of_the_contract() {
     assert_done(&told);
     for flag in
         "half-field projection quantity seen light light-radius lobe size facets cells thickness border surface grid \
-                 for-cutter min-feature max-triangles levelling max-depth snapshots resume \
+                 for-cutter min-feature max-triangles polish max-depth snapshots resume \
                  invert rotate fit sample arrange method level recipe seed threads force json quiet no-verify dry-run"
             .split_whitespace()
     {

@@ -1,8 +1,8 @@
-//! A continuous relief as a closed solid.
+//! A sheet as a closed solid.
 
 use facetmill::relief::mesh::Mesh;
 
-/// A closed solid under a continuous relief of waves, 48 × 48 squares of two triangles each.
+/// A closed solid under a sheet of waves, 48 × 48 squares of two triangles each.
 pub fn waves() -> Mesh {
     let n = 49u32;
     let height = |x: f32, y: f32| 0.6 * (0.7 * x).sin() * (0.45 * y + 0.3).cos() + 0.1 * (1.9 * x - 1.3 * y).sin();

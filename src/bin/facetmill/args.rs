@@ -32,7 +32,7 @@ pub enum Command {
     /// comparison.png (look at this one first; comparison_milled.png with a cutter), relief.png, report.json, and
     /// recipe.toml: every setting, so that `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
     ///
-    /// Ctrl-C while a continuous relief is sculpted finishes the best so far, proof and files included, once the first
+    /// Ctrl-C while a sheet is sculpted finishes the best so far, proof and files included, once the first
     /// tries are done; a second one stops at once and leaves nothing.
     #[command(after_help = "\
 Examples:
@@ -109,20 +109,20 @@ pub struct DesignArgs {
     /// that the kind does not have are refused.
     #[arg(long, value_enum, value_name = "KIND", help_heading = "Plate")]
     surface: Option<SurfaceArg>,
-    /// Nodes along each side of a cell of a continuous relief  [default: as suits cutter and file]
+    /// Nodes along each side of a cell of a sheet  [default: as suits cutter and file]
     #[arg(long, value_name = "N", help_heading = "Plate", value_parser = count)]
     grid: Option<usize>,
-    /// Triangles of a continuous relief at the most  [default: 3000000]
+    /// Triangles of a sheet at the most  [default: 3000000]
     #[arg(long, value_name = "N", help_heading = "Plate", value_parser = count)]
     max_triangles: Option<usize>,
 
-    /// Cutter whose work is proved too: ball:DIAMETER in mm; a continuous relief is shaped for it
+    /// Cutter whose work is proved too: ball:DIAMETER in mm; a sheet is shaped for it
     ///
     /// A ball leaves its radius in valleys and at the foot of walls. Facets stay as they are, and the report says what
-    /// becomes of their light; a continuous relief is shaped so that its light is right as the cutter leaves it.
+    /// becomes of their light; a sheet is shaped so that its light is right as the cutter leaves it.
     #[arg(long, value_name = "CUTTER", help_heading = "Design")]
     for_cutter: Option<Cutter>,
-    /// Leave out details of a continuous relief narrower than this, mm  [default: 0]
+    /// Leave out details of a sheet narrower than this, mm  [default: 0]
     ///
     /// A mirror of 0.1 mm spreads light by about 0.3°: detail that lives on smaller ones is lost to diffraction.
     #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
@@ -131,9 +131,9 @@ pub struct DesignArgs {
     ///
     /// Both fill valleys and round ridges. The relief is shaped so that its light is right afterwards; with --for-cutter
     /// the proof as milled counts it too. 0.02 mm blunts what is narrower than about 0.05 mm.
-    #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number)]
-    levelling: Option<f64>,
-    /// The most that a cell of a continuous relief may rise about its mean plane, mm
+    #[arg(long, value_name = "MM", help_heading = "Design", value_parser = number, alias = "levelling")]
+    polish: Option<f64>,
+    /// The most that a cell of a sheet may rise about its mean plane, mm
     ///
     /// Shallow reliefs need many hills, and each hill valleys: light is less exact, more so for a wide cutter. A relief
     /// that stays too deep is refused. Smaller cells (--cells) are shallower by themselves.
@@ -171,7 +171,7 @@ pub struct DesignArgs {
 
     #[command(flatten)]
     pub running: RunningArgs,
-    /// Keep a picture of the highlight after each step of a continuous design, and the state to go on from
+    /// Keep a picture of the highlight after each step of a sheet, and the state to go on from
     ///
     /// They come into DIR/snapshots while the design runs and stay there whatever happens. Each picture shows the light
     /// of one cell at its first bounce, as bright as simulated.png.
@@ -311,7 +311,7 @@ impl DesignArgs {
         set(&mut plate.border, self.border);
         plate.surface = self.surface().or(plate.surface);
         design.cutter = self.for_cutter.or(design.cutter);
-        set(&mut design.levelling, self.levelling);
+        set(&mut design.polish, self.polish);
         set(&mut design.min_feature, self.min_feature);
         design.max_depth = self.max_depth.or(design.max_depth);
         design.sample = self.sample.map(Into::into).or(design.sample);

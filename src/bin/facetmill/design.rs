@@ -10,12 +10,12 @@ use facetmill::highlight::scored_target;
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress};
 use facetmill::raster::Raster;
-use facetmill::recipe::compare::{Comparison, beside_facets, of_facets};
+use facetmill::recipe::compare::{FacetComparison, beside_facets, of_facets};
 use facetmill::recipe::proof::{Proof, prove};
 use facetmill::recipe::report::report;
-use facetmill::recipe::run::{Design, design, design_by_way, unavoidable_light};
+use facetmill::recipe::run::{Design, design, design_with_checkpoints, unavoidable_light};
 use facetmill::recipe::{Recipe, SurfaceKind};
-use facetmill::sculpt::design::Sculpture;
+use facetmill::sculpt::stages::Sheet;
 use facetmill::sharpen::SCORED_AT;
 use serde_json::{Value, json};
 
@@ -110,7 +110,7 @@ fn designed(
 ) -> Result<Design, Failure> {
     let from = if args.resume { Some(snapshots::resume(folder, recipe, light)?) } else { None };
     let mut kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, recipe, light));
-    let made = design_by_way(
+    let made = design_with_checkpoints(
         recipe,
         light,
         from,
@@ -142,8 +142,8 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
         (None, _) => args.base(),
     };
     args.apply(&mut recipe);
-    if args.method.is_some() && recipe.surface() == SurfaceKind::Continuous {
-        let what = "--method is for flat facets, and --surface makes this plate a continuous relief";
+    if args.method.is_some() && recipe.surface() == SurfaceKind::Sheet {
+        let what = "--method is for flat facets, and --surface makes this plate a sheet";
         return Err(Failure::Usage(format!("{what}: leave out one of the two")));
     }
     recipe.check().map_err(|error| {
@@ -156,10 +156,10 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             (false, None) => Failure::Usage(format!("--{error}")),
         }
     })?;
-    if (args.snapshots || args.resume) && recipe.surface() == SurfaceKind::Flat {
+    if (args.snapshots || args.resume) && recipe.surface() == SurfaceKind::Facets {
         let flag = if args.resume { "--resume" } else { "--snapshots" };
         return Err(Failure::Usage(format!(
-            "{flag} is for a continuous relief, and this plate is one of flat facets: leave it out, or take --surface continuous"
+            "{flag} is for a sheet, and this plate is one of flat facets: leave it out, or take --surface continuous"
         )));
     }
     let path = match (&args.picture, &recipe.picture, &args.recipe) {
@@ -220,15 +220,15 @@ fn plate_line(recipe: &Recipe, made: &Design) -> String {
 
 /// What the relief is made of.
 fn kind(recipe: &Recipe, made: &Design) -> String {
-    match &made.sculpture {
+    match &made.sheet {
         None => {
             let [across, up] = recipe.facets();
             format!("{across} × {up} facets")
         }
-        Some(sculpture) => {
-            let [across, up] = sculpture.relief.cells;
+        Some(sheet) => {
+            let [across, up] = sheet.relief.cells;
             let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
-            format!("{across} × {up} cells of a continuous relief{cutter}")
+            format!("{across} × {up} cells of a sheet{cutter}")
         }
     }
 }
@@ -238,13 +238,13 @@ fn print_result(
     recipe: &Recipe,
     picture: &Picture,
     made: &Design,
-    proved: Option<(&Proof, Option<&Comparison>)>,
+    proved: Option<(&Proof, Option<&FacetComparison>)>,
     report: &Value,
 ) -> Result<(), OutputError> {
     let [width, height] = recipe.plate.size;
     let (low, high) = made.relief.height_range();
-    let pitch = made.sculpture.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
-    let each = if made.sculpture.is_some() { "nodes every" } else { "each" };
+    let pitch = made.sheet.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
+    let each = if made.sheet.is_some() { "nodes every" } else { "each" };
     let mut table = vec![
         row(
             "plate",
@@ -290,16 +290,16 @@ fn print_result(
             let tv = format!("{:.2} %", 100.0 * main.tv_incident.value);
             table.push(row("misplaced as milled", tv, format!("likeness {:.3}", main.ssim.value)));
         }
-        if let Some(Comparison { facets: [across, up], flat, continuous, milled }) = comparison {
-            let (other, score, what) = match made.sculpture {
+        if let Some(FacetComparison { facets: [across, up], flat, continuous, milled }) = comparison {
+            let (other, score, what) = match made.sheet {
                 Some(_) => ("flat facets", flat, format!("{across} × {up} of them")),
-                None => ("continuous relief", continuous, "one sheet".into()),
+                None => ("sheet", continuous, "one sheet".into()),
             };
             let (tv, how) = (format!("{:.2} %", 100.0 * score.misplaced), if *milled { ", milled alike" } else { "" });
             table.push(row(other, tv, format!("misplaced by {what} instead{how}")));
         }
     }
-    if let Some([done, all]) = made.sculpture.as_ref().and_then(Sculpture::stopped_early) {
+    if let Some([done, all]) = made.sheet.as_ref().and_then(Sheet::stopped_early) {
         table.push(row("stopped early", format!("{done} of {all}"), "steps of the design were done"));
     }
     let cpu: f64 = made.seconds.iter().map(|(_, s)| s).sum();

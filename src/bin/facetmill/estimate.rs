@@ -4,7 +4,7 @@ use facetmill::export::stl::stl_bytes;
 use facetmill::facets::sample::Sampling;
 use facetmill::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
 use facetmill::sculpt::bound::Unavoidable;
-use facetmill::sculpt::milled_plate::places;
+use facetmill::sculpt::milled_facets::places;
 use serde_json::{Value, json};
 
 use crate::console::{print_json, print_table, rays, row};
@@ -65,12 +65,12 @@ pub fn tell(
     }
 }
 
-/// CPU seconds a node of a continuous relief's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
+/// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
 const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
 
-/// The facts, "about" being within a third; of a continuous relief, triangles and bytes are exact but for its base.
+/// The facts, "about" being within a third; of a sheet, triangles and bytes are exact but for its base.
 fn facts(recipe: &Recipe, proved: bool) -> Value {
-    if recipe.surface() == SurfaceKind::Continuous {
+    if recipe.surface() == SurfaceKind::Sheet {
         return continuous_facts(recipe, proved);
     }
     let [columns, rows] = recipe.facets();
@@ -105,7 +105,7 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
     // The facets that it is compared with, and as milled all of it once more.
-    let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Flat));
+    let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
     let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c.diameter);
     let beside = flat + recipe.design.cutter.map_or(0.0, milled);
     json!({
@@ -160,11 +160,11 @@ fn print(recipe: &Recipe, facts: &Value) -> Result<(), OutputError> {
     let number = |key: &str| facts[key].as_f64().unwrap_or(0.0);
     let [width, height] = recipe.plate.size.map(|side| side + 2.0 * recipe.plate.border);
     let pieces = match recipe.surface() {
-        SurfaceKind::Flat => {
+        SurfaceKind::Facets => {
             let ([columns, rows], pitch) = (recipe.facets(), recipe.pitch());
             row("facets", format!("{columns} × {rows}"), format!("each {:.3} × {:.3} mm", pitch.x, pitch.y))
         }
-        SurfaceKind::Continuous => {
+        SurfaceKind::Sheet => {
             let sculpting = recipe.sculpting();
             let [across, up] = sculpting.cells;
             row("cells", format!("{across} × {up}"), format!("of {0} × {0} nodes", sculpting.grid))

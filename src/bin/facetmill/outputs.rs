@@ -1,6 +1,6 @@
 //! The pictures that design and verify both write.
 
-use facetmill::export::comparison::{Captions, Comparison};
+use facetmill::export::comparison::{Captions, ComparisonPage};
 use facetmill::export::picture::{common_white, encode_png, tone_mapped};
 use facetmill::projection::View;
 use facetmill::raster::Raster;
@@ -46,11 +46,11 @@ pub fn write_proof(
     let compare = |simulated: &Raster, verdict: &Verdict, how: &str| {
         let captions = captions(verdict, how, footer);
         let blur = MAIN_BLUR.to_radians();
-        Comparison { target: &target, simulated, view, blur, captions: &captions }.picture()
+        ComparisonPage { target: &target, simulated, view, blur, captions: &captions }.picture()
     };
     write_png(staged, "comparison.png", &compare(&simulated, &proof.verdict, ""))?;
     if let Some(milled) = &proof.milled {
-        let how = recipe.design.cutter.map_or("levelled, ".into(), |cutter| format!("cut by {cutter}, "));
+        let how = recipe.design.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
         let simulated = see(&milled.measurement.whole.share_image());
         write_png(staged, "comparison_milled.png", &compare(&simulated, &milled.verdict, &how))?;
     }

@@ -8,7 +8,7 @@ use facetmill::recipe::Recipe;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurfaceError;
-use facetmill::trace::plate::{Plate, Task};
+use facetmill::trace::traced_plate::{Task, TracedPlate};
 use glam::DVec3;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ const LARGEST: f64 = 1e7;
 
 /// A plate that was read, and what is to be said of its file.
 pub struct Opened {
-    pub plate: Plate,
+    pub plate: TracedPlate,
     /// The box around it, mm.
     pub size: DVec3,
     pub triangles: usize,
@@ -63,7 +63,7 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
             "{name}: the plate is {length:.1e} mm long: STL has no units, so scale it to millimetres"
         )));
     }
-    let plate = Plate::new(&mesh, margin).map_err(|error| match error {
+    let plate = TracedPlate::new(&mesh, margin).map_err(|error| match error {
         MeshSurfaceError::Margin { .. } if margin > 0.0 => Failure::Impossible(format!(
             "{name}: a --margin of {margin} mm leaves nothing of the plate: check units, and lower --margin"
         )),

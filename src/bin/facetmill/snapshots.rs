@@ -4,16 +4,16 @@ use std::fs;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use facetmill::distribution::Distribution;
+use facetmill::distribution::SlopeDistribution;
 use facetmill::export::picture::{common_white, encode_png, tone_mapped};
 use facetmill::highlight::scored_target;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
 use facetmill::relief::periodic::PeriodicRelief;
+use facetmill::sculpt::checkpoint::{Checkpoint, Origin, read_state, write_state};
 use facetmill::sculpt::plan::plan;
-use facetmill::sculpt::waypoint::{Origin, Waypoint, read_state, write_state};
 use facetmill::sharpen::seen;
-use facetmill::verify::windows::FirstLight;
+use facetmill::verify::windows::FirstBounce;
 use serde_json::Value;
 
 use crate::console::Failure;
@@ -46,7 +46,7 @@ impl<'a> Snapshots<'a> {
     }
 
     /// Writes what a step has reached; whether that went well. After a failure nothing more is written.
-    pub fn take(&mut self, distribution: &Distribution, at: &Waypoint) -> bool {
+    pub fn take(&mut self, distribution: &SlopeDistribution, at: &Checkpoint) -> bool {
         if self.failed.is_none() {
             let written = self.write(distribution, at);
             self.failed = written.err().map(|error| OutputError::Cannot(self.folder.clone(), error));
@@ -59,7 +59,7 @@ impl<'a> Snapshots<'a> {
         self.failed.map_or(Ok(()), Err)
     }
 
-    fn write(&self, distribution: &Distribution, at: &Waypoint) -> io::Result<()> {
+    fn write(&self, distribution: &SlopeDistribution, at: &Checkpoint) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
         if at.done == 1 {
             clear(&self.folder)?;
@@ -87,12 +87,12 @@ impl<'a> Snapshots<'a> {
     }
 
     /// The highlight of one cell by first bounces, blurred by lamp and metal, as bright as `simulated.png` will be.
-    fn picture(&self, distribution: &Distribution, at: &Waypoint) -> image::GrayImage {
+    fn picture(&self, distribution: &SlopeDistribution, at: &Checkpoint) -> image::GrayImage {
         let setup = &distribution.setup;
         let cell = self.recipe.sculpting().cell;
         let (nodes, heights) = (at.nodes, at.heights.clone());
         let relief = PeriodicRelief { nodes, heights, cell, cells: [1, 1], tilt: distribution.mean };
-        let sent = FirstLight::new(&relief, setup, (SIDE, SIDE)).window([0, 0], nodes);
+        let sent = FirstBounce::new(&relief, setup, (SIDE, SIDE)).window([0, 0], nodes);
         let sent = sent.unwrap_or_else(|| Raster::zeros(SIDE, SIDE));
         let light = self.recipe.blur(setup).map_or_else(|| sent.clone(), |blur| seen(&sent, &blur));
         let see = |raster: &Raster| as_seen(raster, self.recipe, setup.view());
@@ -108,7 +108,7 @@ pub fn are_all(output: &Path) -> bool {
 }
 
 /// The state that an earlier run of the same recipe left in `output`.
-pub fn resume(output: &Path, recipe: &Recipe, light: &Raster) -> Result<Waypoint, Failure> {
+pub fn resume(output: &Path, recipe: &Recipe, light: &Raster) -> Result<Checkpoint, Failure> {
     let path = output.join(FOLDER).join(STATE);
     let name = path.display();
     let mut file = BufReader::new(inputs::open(&path)?);

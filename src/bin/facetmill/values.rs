@@ -5,7 +5,7 @@ use std::num::IntErrorKind;
 use clap::ValueEnum;
 use facetmill::facets::sample::Sampling;
 use facetmill::highlight::Quantity;
-use facetmill::picture::Fit;
+use facetmill::picture::PictureFit;
 use facetmill::projection::Projection;
 use facetmill::recipe::{Arrangement, Heights, Seen, SurfaceKind};
 
@@ -90,7 +90,7 @@ words!(SeenArg for Seen {
     /// Thrown on a wall, from the plate's side
     OnWall,
 });
-words!(FitArg for Fit {
+words!(FitArg for PictureFit {
     /// Black bars
     Pad,
     /// Cut what is longer
@@ -100,9 +100,11 @@ words!(FitArg for Fit {
 });
 words!(SurfaceArg for SurfaceKind {
     /// Planar facets
-    Flat,
+    #[value(alias = "flat")]
+    Facets,
     /// One sheet without steps
-    Continuous,
+    #[value(alias = "continuous")]
+    Sheet,
 });
 words!(SampleArg for Sampling {
     /// Centroidal cells of equal mass

@@ -4,13 +4,13 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::*;
 use crate::slope::{Slope, direction, mirror};
 
-fn lobe(distribution: Distribution, ax: f64, ay: f64) -> Lobe {
+fn lobe(distribution: MicrofacetDistribution, ax: f64, ay: f64) -> Lobe {
     Lobe::new(distribution, ax, ay).unwrap()
 }
 
 fn lobes() -> Vec<Lobe> {
     let alphas = [(0.05, 0.05), (0.3, 0.3), (0.1, 0.4), (1.0, 1.0), (2.0, 0.5)];
-    Distribution::ALL.into_iter().flat_map(|law| alphas.map(|(x, y)| lobe(law, x, y))).collect()
+    MicrofacetDistribution::ALL.into_iter().flat_map(|law| alphas.map(|(x, y)| lobe(law, x, y))).collect()
 }
 
 /// ∫ f(m) d(m) over the normals, by midpoints in the tilt's stretched share and azimuth: independent of the sampler
@@ -51,7 +51,7 @@ fn normals_cover_the_plate_once_and_the_seen_area_is_the_integral() {
 fn shares_of_normals_within_a_tilt_are_the_closed_forms() {
     // Straight down the seen normals are d(m) m.z: GGX tan²t/(α² + tan²t), Beckmann 1 - exp(-tan²t/α²).
     let count = 40_000u32;
-    for law in Distribution::ALL {
+    for law in MicrofacetDistribution::ALL {
         for alpha in [1e-3, 0.1, 0.5, 2.0] {
             let lobe = lobe(law, alpha, alpha);
             let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
@@ -61,8 +61,8 @@ fn shares_of_normals_within_a_tilt_are_the_closed_forms() {
                 .collect();
             for tan in [0.25, 0.5, 1.0, 1.5, 3.0f64] {
                 let share = match law {
-                    Distribution::Ggx => tan * tan / (1.0 + tan * tan),
-                    Distribution::Beckmann => 1.0 - (-tan * tan).exp(),
+                    MicrofacetDistribution::Ggx => tan * tan / (1.0 + tan * tan),
+                    MicrofacetDistribution::Beckmann => 1.0 - (-tan * tan).exp(),
                 };
                 let got = tilts.iter().filter(|&&tilt| tilt <= tan).count() as f64 / f64::from(count);
                 let error = (share * (1.0 - share) / f64::from(count)).sqrt();
@@ -85,7 +85,7 @@ fn alpha_of_beckmann_is_root_two_times_the_rms_slope() {
 #[test]
 fn single_scattering_of_ggx_at_normal_incidence_is_0_69() {
     // Albedo of F = 1 by quadrature over outgoing directions of D G / 4 (G is G1(wo) for either form, since G1(z) = 1).
-    let lobe = lobe(Distribution::Ggx, 0.5, 0.5);
+    let lobe = lobe(MicrofacetDistribution::Ggx, 0.5, 0.5);
     let steps = 20_000;
     let mut albedo = 0.0;
     for step in 0..steps {
@@ -125,7 +125,7 @@ fn reflection_at_sampled_normals_has_the_stated_density() {
 fn smoothest_and_grazing_stay_finite() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
     let edge = [0.0, 1e-17, 0.5, 1.0 - f64::EPSILON / 2.0];
-    for law in Distribution::ALL {
+    for law in MicrofacetDistribution::ALL {
         for alpha in [1e-3, 0.1, 2.0] {
             let lobe = lobe(law, alpha, alpha);
             for z in [1e-300, 1e-12, 1e-6, 1e-3, 0.1, 1.0f64] {
@@ -152,7 +152,7 @@ fn smoothest_and_grazing_stay_finite() {
 #[test]
 fn roughness_out_of_range_is_refused() {
     for alpha in [0.0, 9e-4, 2.1, -0.1, f64::NAN, f64::INFINITY] {
-        assert!(Lobe::new(Distribution::Ggx, 0.1, alpha).is_err());
-        assert!(Lobe::new(Distribution::Ggx, alpha, 0.1).is_err());
+        assert!(Lobe::new(MicrofacetDistribution::Ggx, 0.1, alpha).is_err());
+        assert!(Lobe::new(MicrofacetDistribution::Ggx, alpha, 0.1).is_err());
     }
 }

@@ -33,8 +33,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
 
 use crate::facets::SlopeGrid;
+use crate::facets::arrange::annealing_grid::{AnnealingGrid, Prices};
 use crate::facets::arrange::below;
-use crate::facets::arrange::plate::{Plate, Prices};
 use crate::facets::heights::least_squares;
 use crate::facets::steps::steps;
 use crate::progress::Progress;
@@ -134,7 +134,7 @@ pub fn anneal_best(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progre
 /// Only fractions are reported to `progress`. If it is cancelled, the order reached so far is left: the same slopes,
 /// less well arranged. Grids of one cell or none are left as they are.
 pub fn anneal(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &Progress<'_>) -> Annealed {
-    let mut plate = Plate::new(grid, prices(grid, settings));
+    let mut plate = AnnealingGrid::new(grid, prices(grid, settings));
     let before = plate.energy();
     let mut done = Annealed { before, after: before, tried: 0, accepted: 0 };
     let cells = grid.cells() as u64;
@@ -180,7 +180,7 @@ fn prices(grid: &SlopeGrid, settings: &Annealing) -> Prices {
 }
 
 /// Mean size of ΔE over random exchanges: hot enough to keep most of them.
-fn typical_change(plate: &mut Plate, random: &mut Xoshiro256PlusPlus) -> f64 {
+fn typical_change(plate: &mut AnnealingGrid, random: &mut Xoshiro256PlusPlus) -> f64 {
     const SAMPLES: usize = 1000;
     let n = plate.cells();
     let sizes = (0..SAMPLES).map(|_| plate.change(below(random.next_u64(), n), below(random.next_u64(), n)).abs());
@@ -188,7 +188,7 @@ fn typical_change(plate: &mut Plate, random: &mut Xoshiro256PlusPlus) -> f64 {
 }
 
 /// Tries `swaps` exchanges at one temperature; how many stayed.
-fn sweep(plate: &mut Plate, swaps: u64, temperature: f64, random: &mut Xoshiro256PlusPlus) -> u64 {
+fn sweep(plate: &mut AnnealingGrid, swaps: u64, temperature: f64, random: &mut Xoshiro256PlusPlus) -> u64 {
     let n = plate.cells();
     let mut accepted = 0;
     for _ in 0..swaps {

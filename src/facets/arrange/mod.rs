@@ -4,7 +4,7 @@ pub mod assignment;
 
 pub mod transport;
 
-mod plate;
+mod annealing_grid;
 
 pub mod anneal;
 

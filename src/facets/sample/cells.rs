@@ -10,7 +10,7 @@
 use glam::{DVec2, Vec2};
 
 use super::kd;
-use super::near::{MOST, neighbours};
+use super::nearest::{MOST, neighbours};
 use crate::progress::Progress;
 use crate::raster::Raster;
 

@@ -5,7 +5,7 @@
 
 pub mod kd;
 
-mod near;
+mod nearest;
 
 pub mod cells;
 
@@ -16,7 +16,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
 
-use crate::distribution::Distribution;
+use crate::distribution::SlopeDistribution;
 use crate::progress::Progress;
 use crate::raster::Raster;
 
@@ -34,7 +34,13 @@ pub enum Sampling {
 }
 
 /// `n` image positions of facets of equal area that together show the distribution.
-pub fn sample(distribution: &Distribution, n: usize, sampling: Sampling, seed: u64, progress: &Progress) -> Vec<DVec2> {
+pub fn sample(
+    distribution: &SlopeDistribution,
+    n: usize,
+    sampling: Sampling,
+    seed: u64,
+    progress: &Progress,
+) -> Vec<DVec2> {
     let footprint = &distribution.footprint;
     let mut points = match sampling {
         Sampling::Random => {
@@ -59,7 +65,7 @@ pub fn sample(distribution: &Distribution, n: usize, sampling: Sampling, seed: u
 }
 
 /// `point`, or the middle of the nearest pixel that holds light if no direction above the plate projects to it.
-fn nearest_lit(distribution: &Distribution, point: DVec2) -> DVec2 {
+fn nearest_lit(distribution: &SlopeDistribution, point: DVec2) -> DVec2 {
     let light = distribution.setup.light();
     let good = |uv: DVec2| distribution.setup.slope_at(uv).is_some_and(|s| s.intercept(light) > 0.0);
     if good(point) {
@@ -125,17 +131,17 @@ fn invert(running: &[f64], x: f64) -> (usize, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::distribution::DistributionSettings;
+    use crate::distribution::SlopeDistributionSettings;
     use crate::highlight::{Highlight, Quantity};
     use crate::projection::Projection;
     use crate::setup::Setup;
 
     const ALL: [Sampling; 3] = [Sampling::Voronoi, Sampling::Random, Sampling::Sobol];
 
-    fn distribution(light: &Raster, theta: f64, half_field: f64) -> Distribution {
+    fn distribution(light: &Raster, theta: f64, half_field: f64) -> SlopeDistribution {
         let setup = Setup::new(theta, 0.7, 0.0, Projection::Equidistant, half_field);
         let highlight = Highlight::new(light, Quantity::Flux, &setup).unwrap();
-        Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap()
+        SlopeDistribution::new(&highlight, &setup, &SlopeDistributionSettings::default(), |_| 1.0).unwrap()
     }
 
     /// A soft blot off centre, with a bright speck.

@@ -10,7 +10,7 @@ use glam::DVec2;
 use rustfft::num_complex::Complex64;
 
 use crate::descent::{Descent, minimise};
-use crate::distribution::Distribution;
+use crate::distribution::SlopeDistribution;
 use crate::fourier::{Fourier, frequency};
 use crate::progress::Progress;
 
@@ -24,7 +24,7 @@ const PIXELS_PER_BLUR: f64 = 1.6;
 const LONGEST_WAVE: f64 = 2.0;
 
 /// `points` moved so that their blurred light agrees with the distribution's.
-pub fn refined(distribution: &Distribution, points: Vec<DVec2>, progress: &Progress) -> Vec<DVec2> {
+pub fn refined(distribution: &SlopeDistribution, points: Vec<DVec2>, progress: &Progress) -> Vec<DVec2> {
     let field = Field::new(distribution, points.len());
     let mut x: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
     let settings = Descent { steps: 120, memory: 10, tolerance: 2e-4, first_move: 0.1 * field.spacing };
@@ -34,7 +34,7 @@ pub fn refined(distribution: &Distribution, points: Vec<DVec2>, progress: &Progr
 
 /// The image plane with a margin, on a grid.
 struct Field<'a> {
-    distribution: &'a Distribution,
+    distribution: &'a SlopeDistribution,
     spacing: f64,
     side: usize,
     pixel: f64,
@@ -45,7 +45,7 @@ struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    fn new(distribution: &'a Distribution, n: usize) -> Self {
+    fn new(distribution: &'a SlopeDistribution, n: usize) -> Self {
         let flux = &distribution.flux;
         // The area that the light would fill if it were even: 1 / ∫ρ².
         let even = 4.0 / flux.values.len() as f64 / flux.values.iter().map(|f| f * f).sum::<f64>();
@@ -130,17 +130,17 @@ fn even_smooth(n: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::distribution::DistributionSettings;
+    use crate::distribution::SlopeDistributionSettings;
     use crate::facets::sample::{Sampling, sample};
     use crate::highlight::{Highlight, Quantity};
     use crate::projection::{Projection, View};
     use crate::raster::Raster;
     use crate::setup::Setup;
 
-    fn distribution(theta: f64, light: &Raster) -> Distribution {
+    fn distribution(theta: f64, light: &Raster) -> SlopeDistribution {
         let setup = Setup::new(theta, 0.4, 0.0, Projection::Equidistant, 0.35);
         let highlight = Highlight::new(light, Quantity::Flux, &setup).unwrap();
-        Distribution::new(&highlight, &setup, &DistributionSettings::default(), |_| 1.0).unwrap()
+        SlopeDistribution::new(&highlight, &setup, &SlopeDistributionSettings::default(), |_| 1.0).unwrap()
     }
 
     fn wedge() -> Raster {

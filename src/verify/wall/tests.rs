@@ -16,7 +16,7 @@ fn slanting(projection: Projection) -> Setup {
 }
 
 /// Middle and root mean square along u and v, mm.
-fn moments(thrown: &Thrown) -> (DVec2, DVec2) {
+fn moments(thrown: &WallImage) -> (DVec2, DVec2) {
     let image = &thrown.measurement.whole.image;
     let n = image.width;
     let place = |k: usize| View::pixel_centre(k % n, k / n, n, n) * thrown.half_width;
@@ -34,8 +34,13 @@ fn a_flat_mirror_throws_itself_as_its_mirror_image_would_shine() {
     // A point of light 400 mm away is seen 400 mm behind the plate: its light passes the plate as through a window.
     let (surface, setup) = (one_facet(Slope::FLAT, DVec2::new(20.0, 12.0)), slanting(Projection::Screen));
     let experiment = Experiment { lamp: Lamp::Point, ..Experiment::new(&surface, &setup) };
-    let settings =
-        Throw { lamp_distance: 400.0, wall_distance: 500.0, wall_tilt: 25.0, half_width: 40.0, ..Throw::default() };
+    let settings = WallSettings {
+        lamp_distance: 400.0,
+        wall_distance: 500.0,
+        wall_tilt: 25.0,
+        half_width: 40.0,
+        ..WallSettings::default()
+    };
     let measuring = Measuring { rays: 1_000_000, resolution: 64, ..Measuring::default() };
     let thrown = throw(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
 
@@ -78,8 +83,8 @@ fn a_flat_mirror_throws_itself_as_its_mirror_image_would_shine() {
 fn blur_is_the_plates_size_and_the_lamps_angle() {
     let (surface, setup) = (one_facet(Slope::FLAT, DVec2::new(20.0, 12.0)), slanting(Projection::Screen));
     let overhead = Setup::new(0.0, 0.0, 0.004, Projection::Screen, 0.2);
-    let far = Throw { wall_distance: 500.0, ..Throw::default() };
-    let near = Throw { lamp_distance: 250.0, lamp_radius: 10.0, ..far };
+    let far = WallSettings { wall_distance: 500.0, ..WallSettings::default() };
+    let near = WallSettings { lamp_distance: 250.0, lamp_radius: 10.0, ..far };
     let blur = far.blur(&Experiment::new(&surface, &overhead));
     assert!((blur.plate - DVec2::new(20.0, 12.0)).length() < 1e-9);
     assert!((blur.lamp - 2.0 * 500.0 * f64::tan(0.004)).length() < 1e-9);
@@ -93,7 +98,7 @@ fn blur_is_the_plates_size_and_the_lamps_angle() {
     let experiment = Experiment::new(&speck, &setup);
     let measuring = Measuring { rays: 200_000, resolution: 200, ..Measuring::default() };
     for tilt in [0.0, 40.0] {
-        let settings = Throw { wall_tilt: tilt, half_width: 40.0, ..near };
+        let settings = WallSettings { wall_tilt: tilt, half_width: 40.0, ..near };
         let thrown = throw(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
         let (_, spread) = moments(&thrown);
         assert!((4.0 * spread / thrown.blur.lamp - 1.0).abs().max_element() < 0.015, "{spread} {}", thrown.blur.lamp);
@@ -102,7 +107,7 @@ fn blur_is_the_plates_size_and_the_lamps_angle() {
     // Both at once: the variances of disc and plate add.
     let thrown = throw(
         &Experiment::new(&surface, &overhead),
-        &Throw { half_width: 80.0, ..near },
+        &WallSettings { half_width: 80.0, ..near },
         &measuring,
         &Progress::silent(),
     );
@@ -119,8 +124,13 @@ fn a_tilted_facet_throws_where_its_mirror_sends() {
     let slope = Slope::new(0.05, -0.08);
     let (surface, setup) = (one_facet(slope, DVec2::splat(0.2)), slanting(Projection::Screen));
     let experiment = Experiment::new(&surface, &setup);
-    let settings =
-        Throw { lamp_distance: 600.0, wall_distance: 700.0, wall_tilt: -30.0, half_width: 300.0, ..Throw::default() };
+    let settings = WallSettings {
+        lamp_distance: 600.0,
+        wall_distance: 700.0,
+        wall_tilt: -30.0,
+        half_width: 300.0,
+        ..WallSettings::default()
+    };
     let measuring = Measuring { rays: 20_000, resolution: 300, ..Measuring::default() };
     let thrown = throw(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
     let wall = Wall::new(&settings, &experiment);
@@ -168,7 +178,7 @@ fn a_far_wall_shows_the_highlight_image_in_any_mounting() {
         let image = measure(&experiment, &measuring, &Progress::silent()).unwrap();
         let wall_distance = 1e8;
         let half_width = wall_distance * setup.view().half_field().tan();
-        let settings = Throw { wall_distance, half_width, ..Throw::default() };
+        let settings = WallSettings { wall_distance, half_width, ..WallSettings::default() };
         let thrown = throw(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
         let (far, near) = (&image.whole.image, &thrown.measurement.whole.image);
         let apart: f64 = far.values.iter().zip(&near.values).map(|(a, b)| (a - b).abs()).sum();
@@ -196,7 +206,8 @@ fn extreme_settings_are_refused_or_give_finite_light() {
                 for (lamp_radius, half_width) in [0.0, 1e-3, 5.0, 1e9].into_iter().flat_map(|r| lengths.map(|h| (r, h)))
                 {
                     for wall_tilt in [-85.0, 0.0, 60.0] {
-                        let settings = Throw { lamp_distance, lamp_radius, wall_distance, wall_tilt, half_width };
+                        let settings =
+                            WallSettings { lamp_distance, lamp_radius, wall_distance, wall_tilt, half_width };
                         match throw(&experiment, &settings, &measuring, &Progress::silent()) {
                             Ok(light) => {
                                 thrown += 1;
@@ -220,25 +231,25 @@ fn nonsense_is_refused_and_nothing_depends_on_threads() {
     let (surface, setup) = (one_facet(Slope::FLAT, DVec2::splat(10.0)), slanting(Projection::Screen));
     let experiment = Experiment::new(&surface, &setup);
     let measuring = Measuring { rays: 10_000, resolution: 16, ..Measuring::default() };
-    let check = |settings: Throw| settings.check(&experiment, &measuring);
-    let fine = Throw { lamp_distance: 300.0, lamp_radius: 5.0, ..Throw::default() };
+    let check = |settings: WallSettings| settings.check(&experiment, &measuring);
+    let fine = WallSettings { lamp_distance: 300.0, lamp_radius: 5.0, ..WallSettings::default() };
     assert_eq!(check(fine), Ok(()));
     for bad in [0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
-        assert!(matches!(check(Throw { lamp_distance: bad, ..fine }), Err(ThrowError::Length { .. })));
-        assert!(matches!(check(Throw { wall_distance: bad, ..fine }), Err(ThrowError::Length { .. })));
-        assert!(matches!(check(Throw { half_width: bad, ..fine }), Err(ThrowError::Length { .. })));
+        assert!(matches!(check(WallSettings { lamp_distance: bad, ..fine }), Err(WallError::Length { .. })));
+        assert!(matches!(check(WallSettings { wall_distance: bad, ..fine }), Err(WallError::Length { .. })));
+        assert!(matches!(check(WallSettings { half_width: bad, ..fine }), Err(WallError::Length { .. })));
     }
-    assert!(matches!(check(Throw { lamp_radius: f64::NAN, ..fine }), Err(ThrowError::Length { .. })));
-    assert!(matches!(check(Throw { wall_tilt: f64::NAN, ..fine }), Err(ThrowError::Tilt(_))));
-    assert!(matches!(check(Throw { wall_tilt: 90.0, ..fine }), Err(ThrowError::Tilt(_))));
-    assert!(matches!(check(Throw { lamp_radius: 290.0, ..fine }), Err(ThrowError::LampInPlate { .. })));
-    assert!(matches!(check(Throw { wall_distance: 5.0, ..fine }), Ok(())));
+    assert!(matches!(check(WallSettings { lamp_radius: f64::NAN, ..fine }), Err(WallError::Length { .. })));
+    assert!(matches!(check(WallSettings { wall_tilt: f64::NAN, ..fine }), Err(WallError::Tilt(_))));
+    assert!(matches!(check(WallSettings { wall_tilt: 90.0, ..fine }), Err(WallError::Tilt(_))));
+    assert!(matches!(check(WallSettings { lamp_radius: 290.0, ..fine }), Err(WallError::LampInPlate { .. })));
+    assert!(matches!(check(WallSettings { wall_distance: 5.0, ..fine }), Ok(())));
     assert!(matches!(
-        check(Throw { wall_distance: 1.0, wall_tilt: 70.0, ..fine }),
-        Err(ThrowError::WallInPlate { .. })
+        check(WallSettings { wall_distance: 1.0, wall_tilt: 70.0, ..fine }),
+        Err(WallError::WallInPlate { .. })
     ));
     let none = Measuring { resolution: 0, ..measuring };
-    assert_eq!(fine.check(&experiment, &none), Err(ThrowError::Measuring));
+    assert_eq!(fine.check(&experiment, &none), Err(WallError::Measuring));
 
     let thrown = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -247,7 +258,7 @@ fn nonsense_is_refused_and_nothing_depends_on_threads() {
     assert_eq!(thrown(1), thrown(3));
     // As many rounds as the error asks for.
     let wanted = Measuring { error: Some(0.01), ..measuring };
-    let close = Throw { half_width: 30.0, ..fine };
+    let close = WallSettings { half_width: 30.0, ..fine };
     let taken = |measuring| throw(&experiment, &close, measuring, &Progress::silent()).unwrap().measurement;
     let (sure, surer) = (taken(&measuring), taken(&wanted));
     assert!(sure.image_noise() > 0.01 && surer.image_noise() <= 0.01 && surer.whole.rays > sure.whole.rays);

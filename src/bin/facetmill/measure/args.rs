@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::{ArgGroup, Args};
 use facetmill::brdf::material::Material;
-use facetmill::verify::look::Shape;
+use facetmill::verify::render::Shape;
 
 use crate::args::RunningArgs;
 use crate::values::*;

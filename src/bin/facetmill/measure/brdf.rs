@@ -7,7 +7,7 @@ use facetmill::export::merl::{Merl, MerlError};
 use facetmill::export::polar_slices::{RadialScale, polar_slices};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
+use facetmill::trace::traced_plate::Task;
 use facetmill::verify::goniometer::sweep::{Ledger, Swept, sweep};
 use facetmill::verify::goniometer::table::BrdfAxes;
 use facetmill::verify::measure::Measuring;

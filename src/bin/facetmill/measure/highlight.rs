@@ -4,7 +4,7 @@ use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::picture::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
+use facetmill::trace::traced_plate::Task;
 use facetmill::verify::measure::{HighlightImage, collect};
 use facetmill::verify::tally::{Measurement, Tally};
 use serde_json::{Map, Value, json};

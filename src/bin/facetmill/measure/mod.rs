@@ -4,8 +4,8 @@ pub mod args;
 mod brdf;
 mod check;
 mod highlight;
-mod look;
 mod ndf;
+mod render;
 mod wall;
 
 use facetmill::brdf::material::Material;
@@ -14,7 +14,7 @@ use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Plate;
+use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
 use serde_json::{Value, json};
@@ -52,7 +52,7 @@ struct Bench {
     opened: Opened,
     /// Of the file or folder, without its path.
     name: String,
-    plate: Plate,
+    plate: TracedPlate,
     endless: bool,
     recipe: Recipe,
     setup: Setup,
@@ -116,7 +116,7 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
     } else if args.wall.is_some() {
         wall::measure(args, &bench, &mut staged, &progress)?
     } else if args.look {
-        look::measure(args, &bench, &mut staged, &progress)?
+        render::measure(args, &bench, &mut staged, &progress)?
     } else {
         highlight::measure(&bench, &mut staged, &progress)?
     };
@@ -180,7 +180,7 @@ fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
 }
 
 /// The plate as it is to be taken, and whether it goes on without end.
-fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(Plate, bool), Failure> {
+fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
     let endless = opened.plate.clone().endless();
     match (args.extent, endless) {
         (Some(ExtentArg::Endless), None) => Err(Failure::Impossible(format!(

@@ -6,7 +6,7 @@ use facetmill::export::picture::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::raster::Raster;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
+use facetmill::trace::traced_plate::Task;
 use facetmill::verify::microgeometry::{Masking, NormalDistribution, masking};
 use glam::DVec2;
 use serde_json::json;

@@ -1,12 +1,12 @@
 //! The reflection on a wall, in millimetres.
 
 use facetmill::export::float_tiff::write_float_tiff;
-use facetmill::export::sights::{Exposure, wall_page};
+use facetmill::export::rendered_view::{Exposure, wall_page};
 use facetmill::progress::Progress;
 use facetmill::recipe::Seen;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
-use facetmill::verify::wall::{Throw, ThrowError, Thrown, throw};
+use facetmill::trace::traced_plate::Task;
+use facetmill::verify::wall::{WallError, WallImage, WallSettings, throw};
 use serde_json::json;
 
 use super::args::MeasureArgs;
@@ -15,14 +15,14 @@ use crate::console::{Failure, rays, row};
 use crate::files::Staged;
 use crate::outputs::write_png;
 
-struct Thrower<'a> {
+struct WallTask<'a> {
     bench: &'a Bench,
-    settings: Throw,
+    settings: WallSettings,
     progress: &'a Progress<'a>,
 }
 
-impl Task for Thrower<'_> {
-    type Output = Result<Thrown, ThrowError>;
+impl Task for WallTask<'_> {
+    type Output = Result<WallImage, WallError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         throw(&self.bench.experiment(surface), &self.settings, &self.bench.measuring, self.progress)
     }
@@ -34,14 +34,14 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    let usual = Throw::default();
+    let usual = WallSettings::default();
     let wall_distance = args.wall.unwrap_or(usual.wall_distance);
     let lamp_distance = args.lamp_distance.unwrap_or(usual.lamp_distance);
     // The whole highlight, what the plate's own size adds, and a rim.
     let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
     let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
-    let settings = Throw {
+    let settings = WallSettings {
         lamp_distance,
         lamp_radius: args.lamp_radius.unwrap_or(usual.lamp_radius),
         wall_distance,
@@ -49,16 +49,19 @@ pub fn measure(
         half_width,
     };
     progress.stage("throwing light on the wall");
-    let thrown = bench.plate.run(Thrower { bench, settings, progress }).map_err(refused)?;
+    let image = bench.plate.run(WallTask { bench, settings, progress }).map_err(refused)?;
     progress.stage("writing files");
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
-    let exposure =
-        Exposure { mirrored, heading: format!("Thrown by {}, {}", bench.name, bench.material), ..Exposure::default() };
-    write_png(staged, "wall.png", &wall_page(&thrown, &settings, &exposure))?;
-    staged.write("wall.tiff", |out| write_float_tiff(&thrown.irradiance(), out))?;
-    staged.write("wall_error.tiff", |out| write_float_tiff(&thrown.errors(), out))?;
-    let [landed, beside, nowhere] = thrown.shares();
-    let blur = thrown.blur;
+    let exposure = Exposure {
+        mirrored,
+        heading: format!("WallImage by {}, {}", bench.name, bench.material),
+        ..Exposure::default()
+    };
+    write_png(staged, "wall.png", &wall_page(&image, &settings, &exposure))?;
+    staged.write("wall.tiff", |out| write_float_tiff(&image.irradiance(), out))?;
+    staged.write("wall_error.tiff", |out| write_float_tiff(&image.errors(), out))?;
+    let [landed, beside, nowhere] = image.shares();
+    let blur = image.blur;
     let facts = json!({
         "kind": "wall",
         "wall_distance_mm": wall_distance,
@@ -77,15 +80,15 @@ pub fn measure(
         "blur_by_lamp_mm": [blur.lamp.x, blur.lamp.y],
         "blur_by_plate_deg": [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
         "blur_by_lamp_deg": blur.lamp_angle.to_degrees(),
-        "image_noise_tv": thrown.measurement.image_noise(),
-        "rays": thrown.measurement.whole.rays,
+        "image_noise_tv": image.measurement.image_noise(),
+        "rays": image.measurement.whole.rays,
     });
     // What passes the wall's horizon is spread without end.
     let length = |mm: f64| if mm.is_finite() { format!("{mm:.1} mm") } else { "endless".into() };
     let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
-        row("rays", rays(thrown.measurement.whole.rays), "traced"),
+        row("rays", rays(image.measurement.whole.rays), "traced"),
         row("lands", percent(landed.0), "of the light, in the picture"),
         row("beside it", percent(beside.0), "of the light lands on the wall beyond the picture"),
         row(
@@ -103,19 +106,19 @@ pub fn measure(
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
-fn refused(error: ThrowError) -> Failure {
+fn refused(error: WallError) -> Failure {
     Failure::Impossible(match error {
-        ThrowError::LampInPlate { .. } => {
+        WallError::LampInPlate { .. } => {
             "the lamp would dip below the top of the plate: raise --lamp-distance, or lower --lamp-radius or --light"
                 .into()
         }
-        ThrowError::WallInPlate { .. } => {
+        WallError::WallInPlate { .. } => {
             "the wall would cut the plate or stand behind it: raise --wall, or lower --wall-tilt or --light".into()
         }
-        ThrowError::Length { what, value } => {
+        WallError::Length { what, value } => {
             format!("the {what} would be {value:e} mm, which is no wall: lower --wall, or set --wall-width")
         }
-        ThrowError::Unlit => "no light of the lamp meets the plate: check units, orientation and --light".into(),
+        WallError::Unlit => "no light of the lamp meets the plate: check units, orientation and --light".into(),
         error => error.to_string(),
     })
 }

@@ -1,4 +1,4 @@
-//! Slopes along the rims of a lattice's squares: all that light and folds ask of the heights.
+//! Slopes along the edges of a lattice's squares: all that light and concave edges ask of the heights.
 //!
 //! ```text
 //!    z01 ─ top ─ z11      bottom = p(i, j),  top   = p(i, j + 1):  rise along x over hx
@@ -17,7 +17,7 @@ use crate::fourier::frequency;
 /// Pieces of the grid that are worked on side by side and summed in order: the same for any number of threads.
 pub const BANDS: usize = 4;
 
-/// A square grid of heights over one cell, `n` × `n` nodes, `step` mm apart; opposite rims are joined.
+/// A square grid of heights over one cell, `n` × `n` nodes, `step` mm apart; opposite edges are joined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
     /// Nodes a side.
@@ -43,17 +43,17 @@ impl Lattice {
     }
 }
 
-/// Slopes along rims, or how a value answers to them. Rows are `n + 1` long, the last column and the last row being the
+/// Slopes along edges, or how a value answers to them. Rows are `n + 1` long, the last column and the last row being the
 /// first again.
-pub struct Rims {
+pub struct EdgeSlopes {
     n: usize,
     p: Vec<f32>,
     q: Vec<f32>,
 }
 
-/// The slopes of a square's rims.
+/// The slopes of a square's edges.
 #[derive(Clone, Copy, Debug)]
-pub struct Square {
+pub struct SquareEdges {
     /// p along the bottom.
     pub bottom: f32,
     /// p along the top.
@@ -64,7 +64,7 @@ pub struct Square {
     pub right: f32,
 }
 
-impl Square {
+impl SquareEdges {
     /// Whether the square is cut from its lower left to its upper right corner.
     #[inline]
     pub fn rises(self) -> bool {
@@ -72,32 +72,32 @@ impl Square {
     }
 }
 
-/// The rims of a row of squares, and of the row above.
-pub struct Row<'a> {
+/// The edges of a row of squares, and of the row above.
+pub struct EdgeRow<'a> {
     /// p along the bottoms and the tops.
     pub p: [&'a [f32]; 2],
     /// q along the sides of this row and of the next.
     pub q: [&'a [f32]; 2],
 }
 
-impl Row<'_> {
+impl EdgeRow<'_> {
     /// Square `i` of the row.
     #[inline]
-    pub fn square(&self, i: usize) -> Square {
-        Square { bottom: self.p[0][i], top: self.p[1][i], left: self.q[0][i], right: self.q[0][i + 1] }
+    pub fn square(&self, i: usize) -> SquareEdges {
+        SquareEdges { bottom: self.p[0][i], top: self.p[1][i], left: self.q[0][i], right: self.q[0][i + 1] }
     }
 }
 
 /// What is being summed for a row of squares and the row above.
-pub struct RowSums<'a> {
+pub struct EdgeRowSums<'a> {
     /// Of bottoms and tops.
     pub p: [&'a mut [f32]; 2],
     /// Of the sides of this row and of the next.
     pub q: [&'a mut [f32]; 2],
 }
 
-impl Rims {
-    /// The rims of heights `z`, mm, rows of constant y.
+impl EdgeSlopes {
+    /// The edges of heights `z`, mm, rows of constant y.
     pub fn new(lattice: Lattice, z: &[f32]) -> Self {
         let n = lattice.n;
         let [px, py] = (1.0 / lattice.step).to_array().map(|v| v as f32);
@@ -119,17 +119,21 @@ impl Rims {
 
     /// Row `j` of squares.
     #[inline]
-    pub fn row(&self, j: usize) -> Row<'_> {
+    pub fn row(&self, j: usize) -> EdgeRow<'_> {
         let width = self.n + 1;
-        Row {
+        EdgeRow {
             p: [&self.p[j * width..][..width], &self.p[(j + 1) * width..][..width]],
             q: [&self.q[j * width..][..width], &self.q[(j + 1) * width..][..width]],
         }
     }
 
-    /// Sums over all squares how a value answers to the rims, carried over to the heights; and the sum of what `visit`
+    /// Sums over all squares how a value answers to the edges, carried over to the heights; and the sum of what `visit`
     /// returns. `visit` is given each row of squares and where to add.
-    pub fn answer(&self, lattice: Lattice, visit: impl Fn(Row<'_>, &mut RowSums<'_>) -> f64 + Sync) -> (Vec<f32>, f64) {
+    pub fn adjoint(
+        &self,
+        lattice: Lattice,
+        visit: impl Fn(EdgeRow<'_>, &mut EdgeRowSums<'_>) -> f64 + Sync,
+    ) -> (Vec<f32>, f64) {
         let (n, width) = (self.n, self.n + 1);
         let band = |band: usize| {
             let rows = lattice.band(band);
@@ -139,7 +143,7 @@ impl Rims {
                 let at = (j - rows.start) * width;
                 let (p0, p1) = p[at..].split_at_mut(width);
                 let (q0, q1) = q[at..].split_at_mut(width);
-                let mut sums = RowSums { p: [p0, &mut p1[..width]], q: [q0, &mut q1[..width]] };
+                let mut sums = EdgeRowSums { p: [p0, &mut p1[..width]], q: [q0, &mut q1[..width]] };
                 sum += visit(self.row(j), &mut sums);
             }
             (p, q, sum)
@@ -152,11 +156,11 @@ impl Rims {
             q[at..].iter_mut().zip(&band.1).for_each(|(sum, v)| *sum += v);
         }
         // The last column and row are the first ones.
-        for rims in [&mut p, &mut q] {
+        for edges in [&mut p, &mut q] {
             for j in 0..width {
-                rims[j * width] += rims[j * width + n];
+                edges[j * width] += edges[j * width + n];
             }
-            let (first, last) = rims.split_at_mut(n * width);
+            let (first, last) = edges.split_at_mut(n * width);
             first.iter_mut().zip(last).for_each(|(sum, v)| *sum += *v);
         }
         let [px, py] = (1.0 / lattice.step).to_array().map(|v| v as f32);

@@ -22,7 +22,7 @@ pub struct Stretch {
 }
 
 /// Planar pieces over the cells of a grid; cells are named by column and row.
-pub trait Field: Sync {
+pub trait HeightField: Sync {
     /// Pieces of equal footprint over each cell: 1 or 2.
     const PIECES: usize;
 
@@ -117,7 +117,7 @@ impl Planes {
     }
 }
 
-impl Field for Planes {
+impl HeightField for Planes {
     const PIECES: usize = 1;
 
     #[inline]
@@ -212,7 +212,7 @@ impl Nodes {
     }
 }
 
-impl Field for Nodes {
+impl HeightField for Nodes {
     const PIECES: usize = 2;
 
     #[inline]

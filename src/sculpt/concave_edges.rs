@@ -1,6 +1,6 @@
-//! Where a relief turns upward, which a ball cutter rounds: the light of the fillets, and a toll on them.
+//! Where a relief turns upward, which a ball cutter rounds: the light of the fillets, and a penalty on them.
 //!
-//! A square's own fold is a ridge, since it is cut along its higher diagonal; the relief turns upward at the rims of
+//! A square's own edge is a ridge, since it is cut along its higher diagonal; the relief turns upward at the edges of
 //! squares only. Across a rim along y by the larger p of the square after it less the smaller p of the one before, and
 //! likewise across a rim along x.
 //!
@@ -9,27 +9,27 @@
 //! it, so the way from one to the other runs along an axis of the slope plane. Ends less than a bin apart are as good as
 //! one place: such fillets move no light.
 
-use super::bins::{Bins, Place};
-use super::rims::{Lattice, Row, RowSums};
+use super::edge_slopes::{EdgeRow, EdgeRowSums, Lattice};
+use super::slope_histogram::{Place, SlopeHistogram};
 
-/// How strongly folds of more than what is allowed are charged, beside their share of the plate.
+/// How strongly concave edges of more than what is allowed are charged, beside their share of the plate.
 const STIFFNESS: f32 = 20.0;
 
-/// Folds much smaller than this are charged less than in proportion, so that the toll is smooth at 0.
+/// Concave edges much smaller than this are charged less than in proportion, so that the penalty is smooth at 0.
 const SOFTNESS: f32 = 0.02;
 
 /// The fillets that a ball leaves on one lattice.
 #[derive(Clone, Copy, Debug)]
-pub struct Folds {
-    /// Share of the plate that a fold of 1 along x and y takes.
+pub struct ConcaveEdges {
+    /// Share of the plate that a edge of 1 along x and y takes.
     share: [f32; 2],
-    /// Sharpest fold that is allowed.
+    /// Sharpest edge that is allowed.
     most: f32,
 }
 
 /// A rim at which the relief turns upward.
 #[derive(Clone, Copy)]
-struct Fold {
+struct ConcaveEdge {
     /// Across which axis it turns: 0 where p changes, 1 where q does.
     axis: usize,
     from: f32,
@@ -38,70 +38,77 @@ struct Fold {
     along: f32,
 }
 
-impl Fold {
+impl ConcaveEdge {
     /// Whether its ends are further apart than the bins `apart`.
     #[inline]
     fn moves_light(self, apart: [f32; 2]) -> bool {
         self.to - self.from > apart[self.axis]
     }
 
-    fn ends(self, bins: &Bins) -> [Place; 2] {
+    fn ends(self, bins: &SlopeHistogram) -> [Place; 2] {
         let place = |s: f32| if self.axis == 0 { bins.place(s, self.along) } else { bins.place(self.along, s) };
         [place(self.from), place(self.to)]
     }
 }
 
-impl Folds {
-    /// For a ball of `radius` mm, which shall meet no fold sharper than `most`.
+impl ConcaveEdges {
+    /// For a ball of `radius` mm, which shall meet no edge sharper than `most`.
     pub fn new(lattice: Lattice, radius: f64, most: f64) -> Self {
         let share = (radius / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
         Self { share, most: most as f32 }
     }
 
-    /// The folds at the right side and at the top of square `i`.
+    /// The concave edges at the right side and at the top of square `i`.
     #[inline]
-    fn of(row: &Row<'_>, i: usize) -> [Fold; 2] {
+    fn of(row: &EdgeRow<'_>, i: usize) -> [ConcaveEdge; 2] {
         let ([p0, p1], [q0, q1]) = (row.p, row.q);
-        let x = Fold { axis: 0, from: p0[i].min(p1[i]), to: p0[i + 1].max(p1[i + 1]), along: q0[i + 1] };
-        let y = Fold { axis: 1, from: q0[i].min(q0[i + 1]), to: q1[i].max(q1[i + 1]), along: p1[i] };
+        let x = ConcaveEdge { axis: 0, from: p0[i].min(p1[i]), to: p0[i + 1].max(p1[i + 1]), along: q0[i + 1] };
+        let y = ConcaveEdge { axis: 1, from: q0[i].min(q0[i + 1]), to: q1[i].max(q1[i + 1]), along: p1[i] };
         [x, y]
     }
 
     /// Moves the light of a row's fillets.
-    pub fn shine(&self, row: &Row<'_>, bins: &Bins, light: &mut [f32]) {
+    pub fn forward(&self, row: &EdgeRow<'_>, bins: &SlopeHistogram, light: &mut [f32]) {
         let apart = bins.apart();
         for i in 0..row.p[0].len() - 1 {
-            for fold in Self::of(row, i).into_iter().filter(|fold| fold.moves_light(apart)) {
-                let mass = self.share[fold.axis] * (fold.to - fold.from);
-                let [near, far] = fold.ends(bins);
-                bins.lay(light, near, -0.5 * mass);
-                bins.lay(light, far, -0.5 * mass);
+            for edge in Self::of(row, i).into_iter().filter(|edge| edge.moves_light(apart)) {
+                let mass = self.share[edge.axis] * (edge.to - edge.from);
+                let [near, far] = edge.ends(bins);
+                bins.splat(light, near, -0.5 * mass);
+                bins.splat(light, far, -0.5 * mass);
                 let (pieces, points) = bins.walk(near, far);
                 let each = mass / pieces as f32;
-                points.for_each(|(_, at)| bins.lay(light, at, each));
+                points.for_each(|(_, at)| bins.splat(light, at, each));
             }
         }
     }
 
     /// Toll of a row: about the share of the plate that its fillets take, and more where they are too sharp.
-    pub fn toll(&self, row: &Row<'_>) -> f64 {
-        let each = |fold: Fold| f64::from(self.share[fold.axis] * self.charge(fold.to - fold.from).0);
+    pub fn penalty(&self, row: &EdgeRow<'_>) -> f64 {
+        let each = |edge: ConcaveEdge| f64::from(self.share[edge.axis] * self.charge(edge.to - edge.from).0);
         (0..row.p[0].len() - 1).map(|i| Self::of(row, i).into_iter().map(each).sum::<f64>()).sum()
     }
 
-    /// Adds how Σ `potential` · light + `price` · toll answers to a row's rims; returns its toll.
-    pub fn pull(&self, row: &Row<'_>, bins: &Bins, potential: &[f32], price: f32, sums: &mut RowSums<'_>) -> f64 {
-        let mut toll = 0.0;
+    /// Adds how Σ `potential` · light + `weight` · penalty answers to a row's edges; returns its penalty.
+    pub fn adjoint(
+        &self,
+        row: &EdgeRow<'_>,
+        bins: &SlopeHistogram,
+        potential: &[f32],
+        weight: f32,
+        sums: &mut EdgeRowSums<'_>,
+    ) -> f64 {
+        let mut penalty = 0.0;
         let apart = bins.apart();
         for i in 0..row.p[0].len() - 1 {
-            for fold in Self::of(row, i).into_iter().filter(|fold| fold.to > fold.from) {
-                let share = self.share[fold.axis];
-                let (cost, rate) = self.charge(fold.to - fold.from);
-                toll += f64::from(share * cost);
-                let strip = if fold.moves_light(apart) { Self::strip(fold, bins, potential) } else { [0.0; 3] };
+            for edge in Self::of(row, i).into_iter().filter(|edge| edge.to > edge.from) {
+                let share = self.share[edge.axis];
+                let (cost, rate) = self.charge(edge.to - edge.from);
+                penalty += f64::from(share * cost);
+                let strip = if edge.moves_light(apart) { Self::strip(edge, bins, potential) } else { [0.0; 3] };
                 let [from, to, along] = strip.map(|v| share * v);
-                let (from, to) = (from - price * share * rate, to + price * share * rate);
-                if fold.axis == 0 {
+                let (from, to) = (from - weight * share * rate, to + weight * share * rate);
+                if edge.axis == 0 {
                     sums.p[usize::from(row.p[1][i] < row.p[0][i])][i] += from;
                     sums.p[usize::from(row.p[1][i + 1] > row.p[0][i + 1])][i + 1] += to;
                     sums.q[0][i + 1] += along;
@@ -112,17 +119,17 @@ impl Folds {
                 }
             }
         }
-        toll
+        penalty
     }
 
-    /// How width · (mean of the potential along the way - mean of its ends) answers to a fold's ends and to the slope
+    /// How width · (mean of the potential along the way - mean of its ends) answers to a edge's ends and to the slope
     /// along its rim.
-    fn strip(fold: Fold, bins: &Bins, potential: &[f32]) -> [f32; 3] {
-        let ends = fold.ends(bins);
+    fn strip(edge: ConcaveEdge, bins: &SlopeHistogram, potential: &[f32]) -> [f32; 3] {
+        let ends = edge.ends(bins);
         let read = |at: Place| {
-            let (value, gradient) = bins.read(potential, at);
+            let (value, gradient) = bins.sample(potential, at);
             let slopes = bins.to_slope(gradient);
-            [value, slopes[fold.axis], slopes[1 - fold.axis]]
+            [value, slopes[edge.axis], slopes[1 - edge.axis]]
         };
         let [near, far] = ends.map(read);
         let mut sums = [-0.5 * (near[0] + far[0]), -0.5 * near[1], -0.5 * far[1], -0.5 * (near[2] + far[2])];
@@ -135,20 +142,20 @@ impl Folds {
             sums[2] += each * t * across;
             sums[3] += each * along;
         }
-        let width = fold.to - fold.from;
+        let width = edge.to - edge.from;
         [width * sums[1] - sums[0], width * sums[2] + sums[0], width * sums[3]]
     }
 
-    /// What a fold costs, and how that grows.
-    fn charge(&self, fold: f32) -> (f32, f32) {
-        if fold <= 0.0 {
+    /// What a edge costs, and how that grows.
+    fn charge(&self, edge: f32) -> (f32, f32) {
+        if edge <= 0.0 {
             return (0.0, 0.0);
         }
-        let whole = fold + SOFTNESS;
-        let over = (fold / self.most - 1.0).max(0.0);
+        let whole = edge + SOFTNESS;
+        let over = (edge / self.most - 1.0).max(0.0);
         (
-            fold * fold / whole + 0.5 * STIFFNESS * self.most * over * over,
-            fold * (fold + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
+            edge * edge / whole + 0.5 * STIFFNESS * self.most * over * over,
+            edge * (edge + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
         )
     }
 }
@@ -158,8 +165,8 @@ mod tests {
     use glam::{DMat2, DVec2};
 
     use super::*;
-    use crate::sculpt::light::Light;
-    use crate::sculpt::rims::Rims;
+    use crate::sculpt::edge_slopes::EdgeSlopes;
+    use crate::sculpt::light_model::LightModel;
     use crate::sculpt::target::SlopeTarget;
 
     #[test]
@@ -170,10 +177,10 @@ mod tests {
         let z: Vec<f32> = (0..n * n).map(|k| 0.4 * h as f32 * ((k % n) as f32 - 8.0).abs()).collect();
         let per_slope = DMat2::from_angle(0.3) * (0.45 * 128.0);
         let target = SlopeTarget { side: 128, bin: 1.0, wanted: vec![], per_slope, middle: DVec2::splat(63.5) };
-        let bins = Bins::new(&target);
-        let folds = Folds::new(lattice, radius, 10.0);
-        let rims = Rims::new(lattice, &z);
-        let light = Light::new(lattice, bins, 0.0, Some(folds)).shine(&rims);
+        let bins = SlopeHistogram::new(&target);
+        let concave = ConcaveEdges::new(lattice, radius, 10.0);
+        let edges = EdgeSlopes::new(lattice, &z);
+        let light = LightModel::new(lattice, bins, 0.0, Some(concave)).forward(&edges);
         let share_near = |p: f64| {
             let at = bins.place(p as f32, 0.0);
             let near = |k: usize| ((k % 128) as f32 - at.x).hypot((k / 128) as f32 - at.y) < 1.9;
@@ -190,8 +197,8 @@ mod tests {
         for p in [-0.25, 0.0, 0.3] {
             assert!((share_near(p) / per_bin - 3.8).abs() < 1.0, "{p}: {}", share_near(p) / per_bin);
         }
-        // Smooth at 0, the toll counts a little less than the strip.
-        let toll: f64 = (0..n).map(|j| folds.toll(&rims.row(j))).sum();
-        assert!(toll < fillet && toll > 0.9 * fillet, "{toll} {fillet}");
+        // Smooth at 0, the penalty counts a little less than the strip.
+        let penalty: f64 = (0..n).map(|j| concave.penalty(&edges.row(j))).sum();
+        assert!(penalty < fillet && penalty > 0.9 * fillet, "{penalty} {fillet}");
     }
 }

@@ -11,19 +11,19 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::fourier::smooth_size;
 
-use super::rims::Lattice;
+use super::edge_slopes::Lattice;
 
 /// Rows of a spectrum that are transposed together.
 const BAND: usize = 8;
 
-/// A planned filter of `side` × `side` grids whose opposite rims are joined.
-pub struct Waves {
+/// A planned filter of `side` × `side` grids whose opposite edges are joined.
+pub struct PeriodicFilter {
     side: usize,
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
 }
 
-impl Waves {
+impl PeriodicFilter {
     /// For grids of `side` nodes a side, an even number.
     pub fn new(side: usize) -> Self {
         let mut planner = FftPlanner::new();
@@ -44,7 +44,7 @@ impl Waves {
     }
 
     /// Gains that smooth heights on `lattice` by a Gaussian of standard deviation `sigma` mm.
-    pub fn levelling(&self, lattice: Lattice, sigma: f64) -> Vec<f32> {
+    pub fn polish(&self, lattice: Lattice, sigma: f64) -> Vec<f32> {
         self.gains(|i, j| (-0.5 * (lattice.wave(i, j) * sigma).powi(2)).exp())
     }
 
@@ -127,7 +127,7 @@ impl Waves {
 }
 
 /// The next even number from `n` up with no prime factor above 5, for which transforms are fast.
-pub fn smooth_side(n: usize) -> usize {
+pub fn fast_side(n: usize) -> usize {
     2 * smooth_size(n.div_ceil(2))
 }
 
@@ -145,7 +145,7 @@ mod tests {
                 let (x, y) = (frequency(i, side), frequency(j, side));
                 1.0 / (1.0 + x * x + 0.5 * y * y + 0.3 * x * y)
             };
-            let waves = Waves::new(side);
+            let waves = PeriodicFilter::new(side);
             let mut values: Vec<f32> = (0..width * rows).map(|k| ((k * k * 7) % 31) as f32 - 11.0).collect();
             let mut whole = vec![0.0; side * side];
             for (k, v) in values.iter().enumerate() {
@@ -164,6 +164,6 @@ mod tests {
 
     #[test]
     fn sides_are_even_and_smooth() {
-        assert_eq!([1, 31, 97, 148, 257, 400].map(smooth_side), [2, 32, 100, 150, 270, 400]);
+        assert_eq!([1, 31, 97, 148, 257, 400].map(fast_side), [2, 32, 100, 150, 270, 400]);
     }
 }

@@ -1,4 +1,4 @@
-//! A continuous relief on its way, and the file that holds it: a design that takes long can be gone on with.
+//! A sheet on its way, and the file that holds it: a design that takes long can be gone on with.
 //!
 //! The file is one line of JSON (what it is, the recipe that it belongs to, how far it has come), then the heights as
 //! 32-bit floats, little-endian: exactly those of the running design, so that what is gone on with ends in the same bytes.
@@ -7,7 +7,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Sculpting, plan};
+use super::plan::{SheetSettings, plan};
 use super::start::Start;
 
 /// What the first line says the file is.
@@ -27,7 +27,7 @@ const HIGHEST: f32 = 1e5;
 
 /// A relief on its way: all that is needed to go on from there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Waypoint {
+pub struct Checkpoint {
     /// Steps of the plan that are done.
     pub done: usize,
     /// What was started from.
@@ -40,9 +40,9 @@ pub struct Waypoint {
     pub misplaced: Vec<f64>,
 }
 
-impl Waypoint {
+impl Checkpoint {
     /// Whether it lies on the way to a relief of `sculpting`.
-    pub fn suits(&self, sculpting: &Sculpting) -> bool {
+    pub fn suits(&self, sculpting: &SheetSettings) -> bool {
         let steps = plan(sculpting);
         let last = self.done.checked_sub(1).and_then(|k| steps.get(k));
         last.is_some_and(|step| step.nodes() == self.nodes) && self.heights.len() == self.nodes * self.nodes
@@ -72,8 +72,8 @@ struct Header {
 }
 
 /// Writes `at` and what it belongs to.
-pub fn write_state(at: &Waypoint, origin: &Origin, out: &mut impl Write) -> io::Result<()> {
-    let Waypoint { done, start, nodes, ref misplaced, .. } = *at;
+pub fn write_state(at: &Checkpoint, origin: &Origin, out: &mut impl Write) -> io::Result<()> {
+    let Checkpoint { done, start, nodes, ref misplaced, .. } = *at;
     let (misplaced, origin) = (misplaced.clone(), origin.clone());
     let header = Header { format: FORMAT.into(), version: VERSION, done, start, nodes, misplaced, origin };
     serde_json::to_writer(&mut *out, &header)?;
@@ -82,7 +82,7 @@ pub fn write_state(at: &Waypoint, origin: &Origin, out: &mut impl Write) -> io::
 }
 
 /// Reads what [`write_state`] wrote; whatever else it is, is refused.
-pub fn read_state(from: &mut impl BufRead) -> Result<(Waypoint, Origin), StateError> {
+pub fn read_state(from: &mut impl BufRead) -> Result<(Checkpoint, Origin), StateError> {
     let mut line = Vec::new();
     from.by_ref().take(LONGEST_HEADER).read_until(b'\n', &mut line)?;
     // Before the rest is understood: another version's line may hold other things.
@@ -113,7 +113,7 @@ pub fn read_state(from: &mut impl BufRead) -> Result<(Waypoint, Origin), StateEr
     if !heights.iter().all(|z| z.abs() < HIGHEST) {
         return broken("it holds heights that are none");
     }
-    Ok((Waypoint { done, start, nodes, heights, misplaced }, origin))
+    Ok((Checkpoint { done, start, nodes, heights, misplaced }, origin))
 }
 
 /// Why a design cannot be gone on with.
@@ -137,11 +137,11 @@ pub enum StateError {
 mod tests {
     use super::*;
 
-    fn waypoint() -> Waypoint {
+    fn checkpoint() -> Checkpoint {
         let heights = (0..16).map(|k| 0.1 * k as f32 - 0.7).collect();
         // Digits that a careless reader would lose.
         let misplaced = vec![0.1 + 0.2, 1.0 / 3.0, 0.012_345_678_901_234_567];
-        Waypoint { done: 3, start: Start::Hills(4), nodes: 4, heights, misplaced }
+        Checkpoint { done: 3, start: Start::Hills(4), nodes: 4, heights, misplaced }
     }
 
     fn origin() -> Origin {
@@ -150,15 +150,15 @@ mod tests {
 
     fn written() -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_state(&waypoint(), &origin(), &mut bytes).unwrap();
+        write_state(&checkpoint(), &origin(), &mut bytes).unwrap();
         bytes
     }
 
     #[test]
     fn what_is_written_is_read_to_the_last_digit() {
-        assert_eq!(read_state(&mut written().as_slice()).unwrap(), (waypoint(), origin()));
+        assert_eq!(read_state(&mut written().as_slice()).unwrap(), (checkpoint(), origin()));
         for start in [Start::Cone, Start::Roof, Start::Hills(1)] {
-            let at = Waypoint { start, ..waypoint() };
+            let at = Checkpoint { start, ..checkpoint() };
             let mut bytes = Vec::new();
             write_state(&at, &origin(), &mut bytes).unwrap();
             assert_eq!(read_state(&mut bytes.as_slice()).unwrap().0, at);
@@ -216,21 +216,22 @@ mod tests {
 
     #[test]
     fn a_state_suits_only_the_plan_it_comes_from() {
-        let sculpting = |grid: usize| Sculpting {
+        let sculpting = |grid: usize| SheetSettings {
             cell: glam::DVec2::ONE,
             cells: [1, 1],
             grid,
             cutter: None,
-            levelling: 0.0,
+            polish: 0.0,
             min_feature: 0.0,
             max_depth: None,
             seed: 1,
         };
-        let of = |done: usize, nodes: usize| Waypoint { done, nodes, heights: vec![0.0; nodes * nodes], ..waypoint() };
+        let of =
+            |done: usize, nodes: usize| Checkpoint { done, nodes, heights: vec![0.0; nodes * nodes], ..checkpoint() };
         let all = plan(&sculpting(64)).len();
         assert!(of(1, 64).suits(&sculpting(64)) && of(all, 64).suits(&sculpting(64)));
         assert!(!of(0, 64).suits(&sculpting(64)) && !of(all + 1, 64).suits(&sculpting(64)));
         assert!(!of(1, 64).suits(&sculpting(80)));
-        assert!(!Waypoint { heights: vec![0.0; 9], ..of(1, 64) }.suits(&sculpting(64)));
+        assert!(!Checkpoint { heights: vec![0.0; 9], ..of(1, 64) }.suits(&sculpting(64)));
     }
 }

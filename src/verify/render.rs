@@ -15,8 +15,8 @@ use thiserror::Error;
 pub use super::camera::Shape;
 
 use super::camera::Camera;
-use super::gather::{Gathered, Gatherer};
 use super::measure::Experiment;
+use super::path_tracer::{PathLight, PathTracer};
 use crate::progress::Progress;
 use crate::projection::View;
 use crate::raster::Raster;
@@ -25,7 +25,7 @@ use crate::trace::{Kind, Surface};
 
 /// Where the camera stands, what it looks at, and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct ViewSettings {
     /// Angle of the camera from the plate's normal, degrees.
     pub theta: f64,
     /// Its azimuth from +x, counter-clockwise seen from above, degrees.
@@ -48,7 +48,7 @@ pub struct Look {
     pub seed: u64,
 }
 
-impl Default for Look {
+impl Default for ViewSettings {
     /// A plate of 30 mm at arm's length, from straight above, in a dark room.
     fn default() -> Self {
         Self {
@@ -68,7 +68,7 @@ impl Default for Look {
 
 /// A picture, pixel by pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sight {
+pub struct RenderedView {
     /// Mean radiance, 1/sr for a lamp of irradiance 1 across its beam.
     pub radiance: Raster,
     /// Its standard error, on the safe side: that of paths strewn without order, which they are not.
@@ -77,7 +77,7 @@ pub struct Sight {
     pub trapped: Raster,
 }
 
-impl Look {
+impl ViewSettings {
     /// What the distance of the camera and the radius of a shape may be, mm.
     pub const LENGTH: std::ops::RangeInclusive<f64> = 1e-3..=1e9;
     /// What the field of view may be, degrees.
@@ -90,47 +90,47 @@ impl Look {
     /// # Errors
     /// A value out of its range; a camera inside the plate or the shape; a shape that is to wear a relief that ends; a
     /// smooth material in the light of a mere point.
-    pub fn check<S: Surface>(&self, experiment: &Experiment<'_, S>) -> Result<(), LookError> {
+    pub fn check<S: Surface>(&self, experiment: &Experiment<'_, S>) -> Result<(), RenderError> {
         let length = |what, value: f64| {
-            if Self::LENGTH.contains(&value) { Ok(()) } else { Err(LookError::Length { what, value }) }
+            if Self::LENGTH.contains(&value) { Ok(()) } else { Err(RenderError::Length { what, value }) }
         };
         length("distance of the camera", self.distance)?;
         if !((0.0..90.0).contains(&self.theta) && self.phi.is_finite()) {
-            return Err(LookError::Direction { theta: self.theta, phi: self.phi });
+            return Err(RenderError::Direction { theta: self.theta, phi: self.phi });
         }
         if !Self::FIELD_OF_VIEW.contains(&self.field_of_view) {
-            return Err(LookError::FieldOfView(self.field_of_view));
+            return Err(RenderError::FieldOfView(self.field_of_view));
         }
         if !self.size.iter().all(|side| (1..=Self::MOST_PIXELS).contains(side)) {
-            return Err(LookError::Size(self.size));
+            return Err(RenderError::Size(self.size));
         }
         if !(self.ambient >= 0.0 && self.ambient.is_finite()) {
-            return Err(LookError::Ambient(self.ambient));
+            return Err(RenderError::Ambient(self.ambient));
         }
         if self.rays == 0 || self.rays > 1 << 24 {
-            return Err(LookError::Rays(self.rays));
+            return Err(RenderError::Rays(self.rays));
         }
         match self.shape.radius() {
             Some(radius) => {
                 length("radius of what is looked at", radius)?;
                 if !experiment.surface.is_endless() {
-                    return Err(LookError::Ends);
+                    return Err(RenderError::Ends);
                 }
                 // Of a cylinder the distance from its axis counts.
                 let eye = self.toward() * self.distance;
                 let away = if matches!(self.shape, Shape::Cylinder { .. }) { eye.with_y(0.0) } else { eye };
                 if away.length() <= radius * (1.0 + 1e-9) {
-                    return Err(LookError::Inside { distance: self.distance });
+                    return Err(RenderError::Inside { distance: self.distance });
                 }
             }
             None => {
                 if self.camera(experiment).eye.z <= experiment.surface.height_range().1 {
-                    return Err(LookError::Inside { distance: self.distance });
+                    return Err(RenderError::Inside { distance: self.distance });
                 }
             }
         }
         if experiment.lamp.is_point() && experiment.material.is_smooth() && self.ambient == 0.0 {
-            return Err(LookError::PointOnSmooth { material: experiment.material.to_string() });
+            return Err(RenderError::PointOnSmooth { material: experiment.material.to_string() });
         }
         Ok(())
     }
@@ -151,12 +151,16 @@ impl Look {
 /// Takes the picture; the same for any number of threads.
 ///
 /// # Errors
-/// See [`Look::check`]; also if the work was cancelled.
-pub fn look<S: Surface>(experiment: &Experiment<'_, S>, look: &Look, progress: &Progress) -> Result<Sight, LookError> {
+/// See [`ViewSettings::check`]; also if the work was cancelled.
+pub fn look<S: Surface>(
+    experiment: &Experiment<'_, S>,
+    look: &ViewSettings,
+    progress: &Progress,
+) -> Result<RenderedView, RenderError> {
     look.check(experiment)?;
     let eye = Eye {
         camera: look.camera(experiment),
-        gatherer: Gatherer {
+        tracer: PathTracer {
             surface: experiment.surface,
             material: &experiment.material,
             lamp: &experiment.lamp,
@@ -182,10 +186,10 @@ pub fn look<S: Surface>(experiment: &Experiment<'_, S>, look: &Look, progress: &
         })
         .collect();
     if progress.is_cancelled() {
-        return Err(LookError::Cancelled);
+        return Err(RenderError::Cancelled);
     }
     let raster = |k: usize| Raster { width, height, values: rows.iter().flatten().map(|pixel| pixel[k]).collect() };
-    Ok(Sight { radiance: raster(0), errors: raster(1), trapped: raster(2) })
+    Ok(RenderedView { radiance: raster(0), errors: raster(1), trapped: raster(2) })
 }
 
 /// Steps of the sequence that fills the unit square evenly at any length: 1/g and 1/g² with g³ = g + 1, after Roberts,
@@ -194,8 +198,8 @@ const EVENLY: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_
 
 struct Eye<'a, S> {
     camera: Camera,
-    gatherer: Gatherer<'a, S>,
-    look: &'a Look,
+    tracer: PathTracer<'a, S>,
+    look: &'a ViewSettings,
 }
 
 impl<S: Surface> Eye<'_, S> {
@@ -227,16 +231,16 @@ impl<S: Surface> Eye<'_, S> {
     }
 
     /// One path against `direction`; on a shape it meets the relief's period at the share `start` of it.
-    fn path(&self, direction: DVec3, start: DVec2, random: &mut Xoshiro256PlusPlus) -> Gathered {
-        let surface = self.gatherer.surface;
-        let background = Gathered { radiance: self.look.ambient, trapped: 0.0 };
+    fn path(&self, direction: DVec3, start: DVec2, random: &mut Xoshiro256PlusPlus) -> PathLight {
+        let surface = self.tracer.surface;
+        let background = PathLight { radiance: self.look.ambient, trapped: 0.0 };
         if self.look.shape == Shape::Flat {
             let Some(hit) = surface.first(self.camera.eye, direction) else { return background };
             // A relief's grid ends in sides that know no base: below the lowest point there is nothing to be seen.
             if surface.kind(hit.place) == Kind::Outer && hit.point.z < surface.height_range().0 {
                 return background;
             }
-            return self.gatherer.gather(hit, direction, &DMat3::IDENTITY, random);
+            return self.tracer.radiance(hit, direction, &DMat3::IDENTITY, random);
         }
         let Some(frame) = self.look.shape.frame(self.camera.eye, direction) else { return background };
         let along = (frame.transpose() * direction).normalize();
@@ -247,7 +251,7 @@ impl<S: Surface> Eye<'_, S> {
         let start = low + (high - low) * start;
         let above = top + 1e-6 * (high - low).length();
         match surface.first(start.extend(above), along) {
-            Some(hit) => self.gatherer.gather(hit, along, &frame, random),
+            Some(hit) => self.tracer.radiance(hit, along, &frame, random),
             // At the very rim of the shape a ray may skim over the relief for longer than is followed.
             None => background,
         }
@@ -256,9 +260,9 @@ impl<S: Surface> Eye<'_, S> {
 
 /// Why there is nothing to be seen.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum LookError {
+pub enum RenderError {
     /// A length out of range.
-    #[error("the {what} must be {low} to {high} mm, not {value}", low = Look::LENGTH.start(), high = Look::LENGTH.end())]
+    #[error("the {what} must be {low} to {high} mm, not {value}", low = ViewSettings::LENGTH.start(), high = ViewSettings::LENGTH.end())]
     Length {
         /// Which.
         what: &'static str,
@@ -276,10 +280,10 @@ pub enum LookError {
         phi: f64,
     },
     /// Too narrow or too wide.
-    #[error("the field of view must be {low} to {high} degrees, not {0}", low = Look::FIELD_OF_VIEW.start(), high = Look::FIELD_OF_VIEW.end())]
+    #[error("the field of view must be {low} to {high} degrees, not {0}", low = ViewSettings::FIELD_OF_VIEW.start(), high = ViewSettings::FIELD_OF_VIEW.end())]
     FieldOfView(f64),
     /// No pixels or too many.
-    #[error("a picture must be 1 to {most} pixels wide and high, not {} × {}", .0[0], .0[1], most = Look::MOST_PIXELS)]
+    #[error("a picture must be 1 to {most} pixels wide and high, not {} × {}", .0[0], .0[1], most = ViewSettings::MOST_PIXELS)]
     Size([usize; 2]),
     /// Negative or endless.
     #[error("the surroundings' radiance must be a number from 0 up, not {0}")]

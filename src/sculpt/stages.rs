@@ -1,26 +1,26 @@
-//! The stages of a continuous relief: first tries on a coarse grid, matching, then descent on finer and finer grids.
+//! The stages of a sheet: first tries on a coarse grid, matching, then descent on finer and finer grids.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::descent::{Descent, minimise};
-use crate::distribution::Distribution;
+use crate::distribution::SlopeDistribution;
 use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 
 use super::bound::{Unavoidable, unavoidable};
+use super::checkpoint::Checkpoint;
 use super::closing::Closing;
+use super::edge_slopes::Lattice;
 use super::matching::Matching;
-use super::milled::Tool;
-use super::objective::{CLEARANCE, Gaze, Making, Objective, relief};
+use super::objective::{CLEARANCE, LossScale, ManufacturingModel, Objective, relief};
 use super::plan::{
-    DESCENT_FIRST_MOVE, MEMORY, Sculpting, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
+    DESCENT_FIRST_MOVE, MEMORY, SheetSettings, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
 };
 use super::resample::sampled;
-use super::rims::Lattice;
 use super::start::Start;
 use super::target::SlopePlane;
-use super::waypoint::Waypoint;
+use super::tool::Tool;
 
 /// Blur at which reliefs are compared, degrees.
 const COMPARED_AT: f64 = 0.5;
@@ -36,15 +36,15 @@ const UNEVENNESS: f64 = 0.004;
 
 /// The light that no relief cut by the ball of `sculpting` can keep from straying; `None` without a cutter, or if the
 /// distribution's image is too narrow to be laid out.
-pub fn least_stray(distribution: &Distribution, sculpting: &Sculpting) -> Option<Unavoidable> {
+pub fn least_stray(distribution: &SlopeDistribution, sculpting: &SheetSettings) -> Option<Unavoidable> {
     const SAMPLES: usize = 1 << 16;
     let radius = sculpting.cutter?;
     Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, radius))
 }
 
-/// A continuous relief, and how it came about.
+/// A sheet, and how it came about.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sculpture {
+pub struct Sheet {
     /// The relief, triangle for triangle as it is written.
     pub relief: PeriodicRelief,
     /// What was started from.
@@ -57,7 +57,7 @@ pub struct Sculpture {
     pub steps: [usize; 2],
 }
 
-impl Sculpture {
+impl Sheet {
     /// Steps that were done and all of them, if the work was stopped before its end.
     pub fn stopped_early(&self) -> Option<[usize; 2]> {
         Some(self.steps).filter(|[done, all]| done < all)
@@ -66,16 +66,16 @@ impl Sculpture {
 
 /// Designs the relief whose light is `distribution`'s, from the beginning or from where an earlier run `from` had come.
 ///
-/// `passed` is told of every step that is done. A `from` that does not suit `sculpting` is not gone on from. If the work is
+/// `on_step` is told of every step that is done. A `from` that does not suit `sculpting` is not gone on from. If the work is
 /// cancelled, the best relief so far is the result, `None` if there is none yet; `None` too if the distribution's image is
 /// too narrow to be laid out.
 pub fn sculpt(
-    distribution: &Distribution,
-    sculpting: &Sculpting,
-    from: Option<Waypoint>,
-    passed: &mut dyn FnMut(&Waypoint),
+    distribution: &SlopeDistribution,
+    sculpting: &SheetSettings,
+    from: Option<Checkpoint>,
+    on_step: &mut dyn FnMut(&Checkpoint),
     progress: &Progress,
-) -> Option<Sculpture> {
+) -> Option<Sheet> {
     let work = Work::new(distribution, sculpting, progress)?;
     let steps = plan(sculpting);
     let whole: f64 = steps.iter().map(|step| step.cost()).sum();
@@ -95,13 +95,13 @@ pub fn sculpt(
         if progress.is_cancelled() {
             // A step that was cut short is not done, but what it has reached may be better than what was there.
             reached.done = k;
-            let wrong = |at: &Waypoint| at.misplaced.last().copied().unwrap_or(1.0);
+            let wrong = |at: &Checkpoint| at.misplaced.last().copied().unwrap_or(1.0);
             if present.as_ref().is_none_or(|before| wrong(&reached) <= wrong(before)) {
                 present = Some(reached);
             }
             break;
         }
-        passed(&reached);
+        on_step(&reached);
         present = Some(reached);
     }
     let last = present?;
@@ -124,23 +124,23 @@ impl Share {
 
 /// What all steps share.
 struct Work<'a> {
-    sculpting: &'a Sculpting,
+    sculpting: &'a SheetSettings,
     plane: SlopePlane,
-    making: Making,
+    manufacturing: ManufacturingModel,
     progress: &'a Progress<'a>,
 }
 
 impl<'a> Work<'a> {
-    fn new(distribution: &Distribution, sculpting: &'a Sculpting, progress: &'a Progress<'a>) -> Option<Self> {
+    fn new(distribution: &SlopeDistribution, sculpting: &'a SheetSettings, progress: &'a Progress<'a>) -> Option<Self> {
         let plane = SlopePlane::new(distribution, 0.1)?;
-        let making = Making {
+        let manufacturing = ManufacturingModel {
             cutter: sculpting.cutter,
-            levelling: sculpting.levelling,
+            polish: sculpting.polish,
             finest: sculpting.min_feature,
             max_depth: sculpting.max_depth,
             tilt: distribution.mean,
         };
-        Some(Self { sculpting, plane, making, progress })
+        Some(Self { sculpting, plane, manufacturing, progress })
     }
 
     fn lattice(&self, n: usize) -> Lattice {
@@ -148,7 +148,7 @@ impl<'a> Work<'a> {
     }
 
     /// Takes one step of the plan.
-    fn take(&self, step: Step, before: Option<Waypoint>, share: Share) -> Option<Waypoint> {
+    fn take(&self, step: Step, before: Option<Checkpoint>, share: Share) -> Option<Checkpoint> {
         let nodes = step.nodes();
         let Some(mut at) = before else { return self.tried(nodes, share) };
         let lattice = self.lattice(nodes);
@@ -166,11 +166,11 @@ impl<'a> Work<'a> {
 
     /// Heights on another grid: those of the same triangles, which keeps every slope where the old grid divides the new
     /// one; each triangle then moved a little, since equal ones would go on as one, and their few spots of light be grainy.
-    fn resampled(&self, at: &Waypoint, nodes: usize) -> Vec<f32> {
+    fn resampled(&self, at: &Checkpoint, nodes: usize) -> Vec<f32> {
         if at.nodes == nodes {
             return at.heights.clone();
         }
-        let mut z = sampled(&relief(self.lattice(at.nodes), &at.heights, self.making.tilt), nodes);
+        let mut z = sampled(&relief(self.lattice(at.nodes), &at.heights, self.manufacturing.tilt), nodes);
         let reach = UNEVENNESS * self.lattice(nodes).step.min_element();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.sculpting.seed ^ nodes as u64);
         z.iter_mut().for_each(|z| *z += (reach * (rng.random::<f64>() - 0.5)) as f32);
@@ -178,9 +178,9 @@ impl<'a> Work<'a> {
     }
 
     /// The best of several starts on the coarse grid.
-    fn tried(&self, nodes: usize, share: Share) -> Option<Waypoint> {
+    fn tried(&self, nodes: usize, share: Share) -> Option<Checkpoint> {
         let lattice = self.lattice(nodes);
-        let mut best: Option<(f64, Waypoint)> = None;
+        let mut best: Option<(f64, Checkpoint)> = None;
         let starts = Start::suitable(self.sculpting.cutter.is_some(), self.sculpting.max_depth.is_some());
         for (k, &start) in starts.iter().enumerate() {
             let share = share.part(k, starts.len());
@@ -190,11 +190,11 @@ impl<'a> Work<'a> {
             }
             self.match_slopes(lattice, &mut z, TRIAL_ROUNDS, share.part(2, 3));
             z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3));
-            let objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
+            let objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
             let misplaced = objective.misplaced(&z, COMPARED_AT);
             let wrong = misplaced + objective.fillets(&z) + objective.too_deep(&z);
             if best.as_ref().is_none_or(|(least, _)| wrong < *least) {
-                let at = Waypoint { done: 1, start, nodes, heights: z, misplaced: vec![misplaced] };
+                let at = Checkpoint { done: 1, start, nodes, heights: z, misplaced: vec![misplaced] };
                 best = Some((wrong, at));
             }
             if self.progress.is_cancelled() {
@@ -204,22 +204,22 @@ impl<'a> Work<'a> {
         best.map(|(_, at)| at)
     }
 
-    fn objective(&self, lattice: Lattice, gaze: Gaze) -> Objective {
-        Objective::new(lattice, self.plane.target((0.5 * gaze.blur).max(0.125)), gaze, self.making)
+    fn objective(&self, lattice: Lattice, scale: LossScale) -> Objective {
+        Objective::new(lattice, self.plane.target((0.5 * scale.blur).max(0.125)), scale, self.manufacturing)
     }
 
     fn descend(&self, lattice: Lattice, z: Vec<f32>, stage: &Stage, share: Share) -> Vec<f32> {
-        let mut objective = self.objective(lattice, stage.gaze);
-        objective.charge(&z, stage.folds);
+        let mut objective = self.objective(lattice, stage.scale);
+        objective.charge(&z, stage.concave);
         let mut y = objective.numbers(&z);
         let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-        let watched = stage.gaze.is_fine() && self.sculpting.cutter.is_some();
-        let looks = if watched { stage.steps.div_ceil(STEPS_A_LOOK) } else { 1 };
+        let with_tool = stage.scale.is_fine() && self.sculpting.cutter.is_some();
+        let looks = if with_tool { stage.steps.div_ceil(STEPS_A_LOOK) } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / looks, memory: MEMORY, tolerance: TOLERANCE, first_move };
         for look in 0..looks {
-            if watched {
-                objective.watch_tool(&objective.relief(&y));
+            if with_tool {
+                objective.update_tool_residual(&objective.relief(&y));
             }
             let share = share.part(look, looks);
             minimise(
@@ -243,17 +243,17 @@ impl<'a> Work<'a> {
     }
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {
-        let mut objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.watch_tool(z);
+        let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
+        objective.update_tool_residual(z);
         objective.misplaced(z, COMPARED_AT)
     }
 
     /// The relief as it is written.
-    fn finished(&self, at: Waypoint, steps: [usize; 2]) -> Sculpture {
-        let Sculpting { cell, cells, grid, cutter, .. } = *self.sculpting;
+    fn finished(&self, at: Checkpoint, steps: [usize; 2]) -> Sheet {
+        let SheetSettings { cell, cells, grid, cutter, .. } = *self.sculpting;
         let lattice = self.lattice(grid);
         let z = self.resampled(&at, grid);
-        let mut relief = relief(lattice, &z, self.making.tilt);
+        let mut relief = relief(lattice, &z, self.manufacturing.tilt);
         if let Some(radius) = cutter {
             let tool = Tool::new(cell, radius);
             // Where a valley runs aslant, its floor lies between the tool's places; what is raised there, the tool meets
@@ -266,11 +266,11 @@ impl<'a> Work<'a> {
                 }
             }
         }
-        let objective = self.objective(lattice, Gaze { blur: COMPARED_AT, alpha: 0.0, weighed: false });
+        let objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
         let fillets = objective.fillets(&relief.heights);
         let mean = (relief.heights.iter().map(|v| f64::from(*v)).sum::<f64>() / relief.heights.len() as f64) as f32;
         relief.heights.iter_mut().for_each(|v| *v -= mean);
         relief.cells = cells;
-        Sculpture { relief, start: at.start, misplaced: at.misplaced, fillets, steps }
+        Sheet { relief, start: at.start, misplaced: at.misplaced, fillets, steps }
     }
 }

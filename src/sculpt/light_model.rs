@@ -1,48 +1,48 @@
 //! Where the triangles of a periodic relief send light, and how that answers to the heights.
 //!
-//! Every square of the grid is cut along its higher diagonal ([`rims`](super::rims)). All triangles have the same
+//! Every square of the grid is cut along its higher diagonal ([`edge_slopes`](super::edge_slopes)). All triangles have the same
 //! footprint, so each is one point of the slope plane with the same mass. Where the cut turns over, the square is
 //! plane: light answers smoothly.
 
 use rayon::prelude::*;
 
-use super::bins::{Bins, Place};
-use super::folds::Folds;
-use super::rims::{BANDS, Lattice, Rims, Square};
+use super::concave_edges::ConcaveEdges;
+use super::edge_slopes::{BANDS, EdgeSlopes, Lattice, SquareEdges};
+use super::slope_histogram::{Place, SlopeHistogram};
 
 /// The light of a lattice's triangles among the bins of a target.
-pub struct Light {
+pub struct LightModel {
     lattice: Lattice,
-    bins: Bins,
+    bins: SlopeHistogram,
     /// Mass of a triangle cut as written, and of one cut the other way.
     mass: [f32; 2],
-    folds: Option<Folds>,
+    concave: Option<ConcaveEdges>,
 }
 
-impl Light {
+impl LightModel {
     /// For the triangles of `lattice`.
     ///
     /// A share `crossed` of the light goes as if squares were cut along their lower diagonals: whoever looks at the
-    /// relief on a grid of points of his own cuts it as he likes. With `folds`, a cutter rounds what turns upward.
-    pub fn new(lattice: Lattice, bins: Bins, crossed: f64, folds: Option<Folds>) -> Self {
+    /// relief on a grid of points of his own cuts it as he likes. With `concave edges`, a cutter rounds what turns upward.
+    pub fn new(lattice: Lattice, bins: SlopeHistogram, crossed: f64, concave: Option<ConcaveEdges>) -> Self {
         let mass = 0.5 / (lattice.n * lattice.n) as f64;
-        Self { lattice, bins, mass: [(mass * (1.0 - crossed)) as f32, (mass * crossed) as f32], folds }
+        Self { lattice, bins, mass: [(mass * (1.0 - crossed)) as f32, (mass * crossed) as f32], concave }
     }
 
     /// The light of a relief: shares in the bins, sum 1.
-    pub fn shine(&self, rims: &Rims) -> Vec<f32> {
+    pub fn forward(&self, edges: &EdgeSlopes) -> Vec<f32> {
         let bins = &self.bins;
         let lay = |band: usize| {
             let mut light = vec![0.0f32; bins.side * bins.side];
             for j in self.lattice.band(band) {
-                let row = rims.row(j);
+                let row = edges.row(j);
                 for i in 0..self.lattice.n {
                     for (mass, places) in self.triangles(row.square(i)).into_iter().filter(|(mass, _)| *mass > 0.0) {
-                        places.into_iter().for_each(|at| bins.lay(&mut light, at, mass));
+                        places.into_iter().for_each(|at| bins.splat(&mut light, at, mass));
                     }
                 }
-                if let Some(folds) = &self.folds {
-                    folds.shine(&row, bins, &mut light);
+                if let Some(concave) = &self.concave {
+                    concave.forward(&row, bins, &mut light);
                 }
             }
             light
@@ -57,10 +57,10 @@ impl Light {
         light
     }
 
-    /// The gradient with respect to the heights of Σ `potential` · light + `price` · toll of the folds; and that toll.
-    pub fn pull(&self, rims: &Rims, potential: &[f32], price: f32) -> (Vec<f32>, f64) {
+    /// The gradient with respect to the heights of Σ `potential` · light + `weight` · penalty of the concave edges; and that penalty.
+    pub fn adjoint(&self, edges: &EdgeSlopes, potential: &[f32], weight: f32) -> (Vec<f32>, f64) {
         let bins = &self.bins;
-        rims.answer(self.lattice, |row, sums| {
+        edges.adjoint(self.lattice, |row, sums| {
             for i in 0..self.lattice.n {
                 let square = row.square(i);
                 let mut answers = [[[0.0; 2]; 2]; 2];
@@ -69,7 +69,7 @@ impl Light {
                         continue;
                     }
                     for (answer, at) in answers.iter_mut().zip(places) {
-                        let (_, [x, y]) = bins.read(potential, at);
+                        let (_, [x, y]) = bins.sample(potential, at);
                         *answer = bins.to_slope([mass * x, mass * y]);
                     }
                 }
@@ -81,21 +81,21 @@ impl Light {
                 sums.q[0][i] += left;
                 sums.q[0][i + 1] += right;
             }
-            self.folds.as_ref().map_or(0.0, |folds| folds.pull(&row, bins, potential, price, sums))
+            self.concave.as_ref().map_or(0.0, |concave| concave.adjoint(&row, bins, potential, weight, sums))
         })
     }
 
-    /// The toll of a relief's folds: see [`Folds`].
-    pub fn toll(&self, rims: &Rims) -> f64 {
-        let Some(folds) = &self.folds else { return 0.0 };
-        let rows: Vec<f64> = (0..self.lattice.n).into_par_iter().map(|j| folds.toll(&rims.row(j))).collect();
+    /// The penalty of a relief's concave edges: see [`ConcaveEdges`].
+    pub fn penalty(&self, edges: &EdgeSlopes) -> f64 {
+        let Some(concave) = &self.concave else { return 0.0 };
+        let rows: Vec<f64> = (0..self.lattice.n).into_par_iter().map(|j| concave.penalty(&edges.row(j))).collect();
         rows.iter().sum()
     }
 
     /// Mass and places of a square's lower and upper triangle, as written and cut the other way.
     #[inline]
-    fn triangles(&self, square: Square) -> [(f32, [Place; 2]); 2] {
-        let Square { bottom, top, left, right } = square;
+    fn triangles(&self, square: SquareEdges) -> [(f32, [Place; 2]); 2] {
+        let SquareEdges { bottom, top, left, right } = square;
         let (aside, ahead) = if square.rises() { (right, left) } else { (left, right) };
         let places = |low: f32, up: f32| [self.bins.place(bottom, low), self.bins.place(top, up)];
         [(self.mass[0], places(aside, ahead)), (self.mass[1], places(ahead, aside))]

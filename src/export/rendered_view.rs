@@ -7,8 +7,8 @@ use super::lettering::{self, Align, Style};
 use super::picture::{common_white, fill, frame, tone_mapped};
 use super::ticks::{number, round_below};
 use crate::raster::Raster;
-use crate::verify::look::{Look, Shape, Sight};
-use crate::verify::wall::{Throw, Thrown};
+use crate::verify::render::{RenderedView, Shape, ViewSettings};
+use crate::verify::wall::{WallImage, WallSettings};
 
 const PAGE: Rgb<u8> = Rgb([255; 3]);
 const TEXT: Rgb<u8> = Rgb([51; 3]);
@@ -41,7 +41,7 @@ impl Exposure {
 }
 
 /// The camera's picture with its exposure; few pixels are shown as whole blocks.
-pub fn look_page(sight: &Sight, look: &Look, exposure: &Exposure) -> RgbImage {
+pub fn view_page(sight: &RenderedView, look: &ViewSettings, exposure: &Exposure) -> RgbImage {
     let raster = exposure.turned(&sight.radiance);
     let white = exposure.white(&raster);
     let times = 384usize.div_ceil(raster.width.max(raster.height).max(1)).max(1) as u32;
@@ -65,7 +65,7 @@ pub fn look_page(sight: &Sight, look: &Look, exposure: &Exposure) -> RgbImage {
 }
 
 /// The wall's picture with a scale in mm along its edges, its exposure, and what the distances blur.
-pub fn wall_page(thrown: &Thrown, throw: &Throw, exposure: &Exposure) -> RgbImage {
+pub fn wall_page(thrown: &WallImage, throw: &WallSettings, exposure: &Exposure) -> RgbImage {
     let raster = exposure.turned(&thrown.irradiance());
     let white = exposure.white(&raster);
     let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
@@ -197,22 +197,22 @@ mod tests {
 
     use super::*;
     use crate::verify::tally::{Measurement, Tally};
-    use crate::verify::wall::Blur;
+    use crate::verify::wall::WallBlur;
 
-    fn thrown(n: usize, half_width: f64) -> Thrown {
+    fn thrown(n: usize, half_width: f64) -> WallImage {
         let mut part = Tally::empty((n, n));
         part.incident = 1.0;
         part.up_single = 1.0;
         part.image.values[0] = 1.0;
         let measurement = Measurement::of_parts(vec![part; 16]).unwrap();
         let blur =
-            Blur { plate: DVec2::splat(30.0), lamp: DVec2::ZERO, plate_angle: DVec2::splat(0.03), lamp_angle: 0.0 };
-        Thrown { measurement, blur, half_width }
+            WallBlur { plate: DVec2::splat(30.0), lamp: DVec2::ZERO, plate_angle: DVec2::splat(0.03), lamp_angle: 0.0 };
+        WallImage { measurement, blur, half_width }
     }
 
     #[test]
     fn nothing_is_cut_off_at_any_size_and_mirroring_turns_left_to_right() {
-        let throw = Throw::default();
+        let throw = WallSettings::default();
         for half_width in [1e-3, 0.3, 25.0, 500.0, 1e9] {
             for (n, heading) in [
                 (1, ""),
@@ -239,19 +239,20 @@ mod tests {
     #[test]
     fn the_stated_white_is_what_is_shown_white() {
         let raster = Raster::from_fn(20, 10, |x, _| x as f64);
-        let sight = Sight { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
-        let look = Look { size: [20, 10], ..Look::default() };
+        let sight = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let look = ViewSettings { size: [20, 10], ..ViewSettings::default() };
         let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
-        let page = look_page(&sight, &look, &exposure);
+        let page = view_page(&sight, &look, &exposure);
         // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
         let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
         assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
         for white in [Some(0.0), Some(f64::NAN), None] {
-            let page = look_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            let page = view_page(&sight, &look, &Exposure { white, ..Exposure::default() });
             assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
         }
-        let black = Sight { radiance: Raster::zeros(1, 1), errors: Raster::zeros(1, 1), trapped: Raster::zeros(1, 1) };
-        assert!(look_page(&black, &look, &Exposure::default()).width() > 384);
+        let black =
+            RenderedView { radiance: Raster::zeros(1, 1), errors: Raster::zeros(1, 1), trapped: Raster::zeros(1, 1) };
+        assert!(view_page(&black, &look, &Exposure::default()).width() > 384);
     }
 
     #[test]

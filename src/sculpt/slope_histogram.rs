@@ -6,7 +6,7 @@ use super::target::SlopeTarget;
 
 /// Where slopes fall among the bins of a target.
 #[derive(Clone, Copy, Debug)]
-pub struct Bins {
+pub struct SlopeHistogram {
     /// Bins a side.
     pub side: usize,
     middle: [f32; 2],
@@ -24,7 +24,7 @@ pub struct Place {
     pub y: f32,
 }
 
-impl Bins {
+impl SlopeHistogram {
     /// The bins of `target`.
     pub fn new(target: &SlopeTarget) -> Self {
         let DMat2 { x_axis, y_axis } = target.per_slope;
@@ -67,7 +67,7 @@ impl Bins {
 
     /// Lays `mass` into the four bins around a place.
     #[inline(always)]
-    pub fn lay(&self, light: &mut [f32], at: Place, mass: f32) {
+    pub fn splat(&self, light: &mut [f32], at: Place, mass: f32) {
         let (k, a, b) = self.corner(at);
         let (upper, lower) = (mass * b, mass - mass * b);
         let four = &mut light[k..k + self.side + 2];
@@ -79,7 +79,7 @@ impl Bins {
 
     /// The potential at a place, and its gradient in bins.
     #[inline(always)]
-    pub fn read(&self, potential: &[f32], at: Place) -> (f32, [f32; 2]) {
+    pub fn sample(&self, potential: &[f32], at: Place) -> (f32, [f32; 2]) {
         let (k, a, b) = self.corner(at);
         let four = &potential[k..k + self.side + 2];
         let [p00, p10, p01, p11] = [four[0], four[1], four[self.side], four[self.side + 1]];

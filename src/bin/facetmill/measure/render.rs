@@ -1,11 +1,11 @@
 //! The plate, or a shape that wears its relief, as a person sees it.
 
 use facetmill::export::float_tiff::write_float_tiff;
-use facetmill::export::sights::{Exposure, look_page};
+use facetmill::export::rendered_view::{Exposure, view_page};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
-use facetmill::trace::plate::Task;
-use facetmill::verify::look::{Look, LookError, Shape, Sight, look};
+use facetmill::trace::traced_plate::Task;
+use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, look};
 use serde_json::json;
 
 use super::args::MeasureArgs;
@@ -22,12 +22,12 @@ const MOST_PATHS: u64 = 1 << 24;
 
 struct Looker<'a> {
     bench: &'a Bench,
-    settings: Look,
+    settings: ViewSettings,
     progress: &'a Progress<'a>,
 }
 
 impl Task for Looker<'_> {
-    type Output = Result<Sight, LookError>;
+    type Output = Result<RenderedView, RenderError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         look(&self.bench.experiment(surface), &self.settings, self.progress)
     }
@@ -39,7 +39,7 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    let usual = Look::default();
+    let usual = ViewSettings::default();
     let side = bench.measuring.resolution;
     let shape = args.wrap.map_or(Shape::Flat, Into::into);
     let distance = args.distance.unwrap_or(usual.distance);
@@ -55,7 +55,7 @@ pub fn measure(
         let all = args.running.rays().unwrap_or(0);
         return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
     }
-    let settings = Look {
+    let settings = ViewSettings {
         theta,
         phi,
         distance,
@@ -71,7 +71,7 @@ pub fn measure(
     let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage("writing files");
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
-    write_png(staged, "look.png", &look_page(&sight, &settings, &exposure))?;
+    write_png(staged, "look.png", &view_page(&sight, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&sight.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&sight.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
@@ -119,19 +119,19 @@ pub fn measure(
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
-fn refused(error: &LookError, bench: &Bench) -> Failure {
+fn refused(error: &RenderError, bench: &Bench) -> Failure {
     Failure::Impossible(match error {
-        LookError::PointOnSmooth { .. } => {
+        RenderError::PointOnSmooth { .. } => {
             let material = &bench.material;
             format!(
                 "a lamp without size is seen nowhere in smooth {material}: give it a size with --light-radius 0.2665 \
                  (the sun's), or make the plate rough with --material {material}:ggx:0.1"
             )
         }
-        LookError::Ends => "--wrap needs a relief that goes on without end: leave out --extent finite; \
+        RenderError::Ends => "--wrap needs a relief that goes on without end: leave out --extent finite; \
                             a relief that stands on no grid cannot be wrapped"
             .into(),
-        LookError::Inside { distance } => {
+        RenderError::Inside { distance } => {
             format!("a camera {distance} mm away is inside the plate or what it is wrapped on: raise --distance")
         }
         error => error.to_string(),

@@ -29,12 +29,19 @@ const MOST: f64 = 5.2;
 #[test]
 fn a_matt_plate_is_as_bright_as_lambert_says() {
     let (surface, setup) = (GridSurface::new(&flat()), slanting());
-    let settings = Look { size: [16, 12], rays: 4, theta: 30.0, phi: 200.0, field_of_view: 1.0, ..Look::default() };
+    let settings = ViewSettings {
+        size: [16, 12],
+        rays: 4,
+        theta: 30.0,
+        phi: 200.0,
+        field_of_view: 1.0,
+        ..ViewSettings::default()
+    };
     let sight = look(&under(&surface, &setup, "diffuse:0.6", 0.0), &settings, &Progress::silent()).unwrap();
     let expected = 0.6 * setup.light().z / PI;
     assert!(sight.radiance.values.iter().all(|v| (v / expected - 1.0).abs() < 1e-12));
     // Past the plate's edge there is nothing, or the surroundings.
-    let wide = Look { field_of_view: 10.0, ambient: 0.25, ..settings };
+    let wide = ViewSettings { field_of_view: 10.0, ambient: 0.25, ..settings };
     let sight = look(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
     assert_eq!((sight.radiance.at(0, 0), sight.radiance.at(8, 6)), (0.25, 0.0));
     assert_eq!((sight.radiance.at(0, 6), sight.radiance.at(15, 6)), (0.25, 0.25), "nor any skirt below it");
@@ -43,14 +50,14 @@ fn a_matt_plate_is_as_bright_as_lambert_says() {
 #[test]
 fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
     let (surface, setup) = (GridSurface::new(&flat()), slanting());
-    let settings = Look {
+    let settings = ViewSettings {
         size: [8, 8],
         theta: 38.0,
         phi: 232.0,
         distance: 60.0,
         field_of_view: 10.0,
         rays: 2500,
-        ..Look::default()
+        ..ViewSettings::default()
     };
     for (material, radius) in [("aluminium:ggx:0.2", 0.0), ("aluminium:ggx:0.05", 0.1), ("paint:0.7:ggx:0.3", 0.2)] {
         let experiment = under(&surface, &setup, material, radius);
@@ -72,14 +79,14 @@ fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
 #[test]
 fn a_mirror_shows_the_lamp_at_its_own_radiance() {
     let (surface, setup) = (GridSurface::new(&flat()), slanting());
-    let settings = Look {
+    let settings = ViewSettings {
         theta: 40.107,
         phi: 237.296,
         distance: 60.0,
         field_of_view: 10.0,
         size: [9, 9],
         rays: 10_000,
-        ..Look::default()
+        ..ViewSettings::default()
     };
     for material in ["aluminium", "paint:0.5"] {
         let experiment = under(&surface, &setup, material, 0.02);
@@ -109,7 +116,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
     let panel = GridSurface::panel(&relief);
     for shape in [Shape::Flat, Shape::Sphere { radius: 20.0 }, Shape::Cylinder { radius: 20.0 }] {
         for (material, most) in [("mirror", 40), ("diffuse:1", 40), ("mirror", 2)] {
-            let settings = Look {
+            let settings = ViewSettings {
                 theta: 60.0,
                 distance: 100.0,
                 field_of_view: 20.0,
@@ -118,7 +125,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
                 ambient: 1.0,
                 rays: 16,
                 max_bounces: most,
-                ..Look::default()
+                ..ViewSettings::default()
             };
             // Mirrors do not show the point of light: only the surroundings shine on them.
             let sight = look(&under(&panel, &setup, material, 0.0), &settings, &Progress::silent()).unwrap();
@@ -146,14 +153,14 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
         (Shape::Cylinder { radius: 30.0 }, "gold:beckmann:0.3,0.1", 0.0),
     ] {
         let experiment = under(&panel, &setup, material, radius);
-        let settings = Look {
+        let settings = ViewSettings {
             shape,
             distance: 200.0,
             field_of_view: 18.0,
             size: [24, 24],
             theta: 20.0,
             rays: 1600,
-            ..Look::default()
+            ..ViewSettings::default()
         };
         let sight = look(&experiment, &settings, &Progress::silent()).unwrap();
         let camera = settings.camera(&experiment);
@@ -196,8 +203,16 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
                 {
                     for shape in [Shape::Flat, Shape::Sphere { radius }, Shape::Cylinder { radius }] {
                         let size = [5, 3];
-                        let settings =
-                            Look { theta, phi, distance, field_of_view, size, shape, rays: 4, ..Look::default() };
+                        let settings = ViewSettings {
+                            theta,
+                            phi,
+                            distance,
+                            field_of_view,
+                            size,
+                            shape,
+                            rays: 4,
+                            ..ViewSettings::default()
+                        };
                         match look(&experiment, &settings, &Progress::silent()) {
                             Ok(sight) => {
                                 seen += 1;
@@ -219,29 +234,29 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
 fn nonsense_is_refused_and_nothing_depends_on_threads() {
     let (plate, panel, setup) = (GridSurface::new(&flat()), GridSurface::panel(&flat()), slanting());
     let (rough, smooth) = (under(&plate, &setup, "brass:ggx:0.3", 0.0), under(&plate, &setup, "brass", 0.0));
-    let fine = Look { size: [20, 15], rays: 4, ..Look::default() };
+    let fine = ViewSettings { size: [20, 15], rays: 4, ..ViewSettings::default() };
     assert_eq!(fine.check(&rough), Ok(()));
     let error = fine.check(&smooth).unwrap_err();
     assert!(error.to_string().contains("smooth brass"), "{error}");
-    assert_eq!(Look { ambient: 0.1, ..fine }.check(&smooth), Ok(()));
-    let refused = |look: Look| look.check(&rough).unwrap_err();
+    assert_eq!(ViewSettings { ambient: 0.1, ..fine }.check(&smooth), Ok(()));
+    let refused = |look: ViewSettings| look.check(&rough).unwrap_err();
     for bad in [f64::NAN, f64::INFINITY, -1.0] {
-        assert!(matches!(refused(Look { distance: bad, ..fine }), LookError::Length { .. }));
-        assert!(matches!(refused(Look { theta: bad, ..fine }), LookError::Direction { .. }));
-        assert!(matches!(refused(Look { field_of_view: bad, ..fine }), LookError::FieldOfView(_)));
-        assert!(matches!(refused(Look { ambient: bad, ..fine }), LookError::Ambient(_)));
+        assert!(matches!(refused(ViewSettings { distance: bad, ..fine }), RenderError::Length { .. }));
+        assert!(matches!(refused(ViewSettings { theta: bad, ..fine }), RenderError::Direction { .. }));
+        assert!(matches!(refused(ViewSettings { field_of_view: bad, ..fine }), RenderError::FieldOfView(_)));
+        assert!(matches!(refused(ViewSettings { ambient: bad, ..fine }), RenderError::Ambient(_)));
     }
-    assert!(matches!(refused(Look { theta: 90.0, ..fine }), LookError::Direction { .. }));
-    assert!(matches!(refused(Look { phi: f64::NAN, ..fine }), LookError::Direction { .. }));
-    assert!(matches!(refused(Look { size: [0, 5], ..fine }), LookError::Size(_)));
-    assert!(matches!(refused(Look { rays: 0, ..fine }), LookError::Rays(0)));
+    assert!(matches!(refused(ViewSettings { theta: 90.0, ..fine }), RenderError::Direction { .. }));
+    assert!(matches!(refused(ViewSettings { phi: f64::NAN, ..fine }), RenderError::Direction { .. }));
+    assert!(matches!(refused(ViewSettings { size: [0, 5], ..fine }), RenderError::Size(_)));
+    assert!(matches!(refused(ViewSettings { rays: 0, ..fine }), RenderError::Rays(0)));
     let shape = Shape::Cylinder { radius: 10.0 };
-    assert_eq!(refused(Look { shape, ..fine }), LookError::Ends);
+    assert_eq!(refused(ViewSettings { shape, ..fine }), RenderError::Ends);
     let experiment = under(&panel, &setup, "brass:ggx:0.3", 0.0);
-    let along = Look { shape, theta: 85.0, phi: 90.0, distance: 100.0, ..fine };
-    assert_eq!(along.check(&experiment), Err(LookError::Inside { distance: 100.0 }));
+    let along = ViewSettings { shape, theta: 85.0, phi: 90.0, distance: 100.0, ..fine };
+    assert_eq!(along.check(&experiment), Err(RenderError::Inside { distance: 100.0 }));
     let no_ball = Shape::Sphere { radius: f64::NAN };
-    assert!(matches!(Look { shape: no_ball, ..fine }.check(&experiment), Err(LookError::Length { .. })));
+    assert!(matches!(ViewSettings { shape: no_ball, ..fine }.check(&experiment), Err(RenderError::Length { .. })));
 
     let taken = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

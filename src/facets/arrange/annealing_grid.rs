@@ -28,7 +28,7 @@ struct Cell {
 }
 
 /// A cyclic plate whose facets are being exchanged.
-pub(super) struct Plate {
+pub(super) struct AnnealingGrid {
     prices: Prices,
     columns: usize,
     rows: usize,
@@ -38,7 +38,7 @@ pub(super) struct Plate {
     poisson: Option<LeastSquares>,
 }
 
-impl Plate {
+impl AnnealingGrid {
     pub fn new(grid: &SlopeGrid, prices: Prices) -> Self {
         let (columns, rows) = (grid.columns, grid.rows);
         let mut plate = Self {
@@ -209,7 +209,7 @@ mod tests {
     #[test]
     fn the_sum_of_all_changes_is_the_change_of_the_sum() {
         for (columns, rows) in [(9, 7), (5, 5), (2, 6), (6, 2), (2, 2), (1, 12), (12, 1)] {
-            let mut plate = Plate::new(&scattered(columns, rows), ALL);
+            let mut plate = AnnealingGrid::new(&scattered(columns, rows), ALL);
             let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
             let (mut followed, n) = (plate.energy(), plate.cells());
             for _ in 0..5000 {
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn asking_for_a_change_changes_nothing_and_new_heights_only_lower_the_energy() {
-        let mut plate = Plate::new(&scattered(6, 5), Prices { closure: 0.0, ..ALL });
+        let mut plate = AnnealingGrid::new(&scattered(6, 5), Prices { closure: 0.0, ..ALL });
         let slopes = plate.slopes();
         for (a, b) in [(0, 1), (0, 5), (0, 24), (3, 3), (7, 20)] {
             plate.change(a, b);
@@ -241,7 +241,7 @@ mod tests {
     fn each_part_of_the_energy_is_what_its_name_says() {
         let grid = scattered(8, 6);
         let none = Prices { twist: 0.0, step: 0.0, closure: 0.0, valley: 0.0 };
-        let energy = |prices| Plate::new(&grid, prices).energy();
+        let energy = |prices| AnnealingGrid::new(&grid, prices).energy();
         let heights = LeastSquares::new(8, 6, DVec2::ONE, true).heights(&grid);
         let steps = steps(&grid, &heights, DVec2::ONE, true);
         assert_eq!(energy(Prices { valley: 1.0, ..none }), steps.valleys as f64);

@@ -4,13 +4,13 @@ use crate::relief::mesh::Mesh;
 use crate::relief::recognise::{Recognised, recognise};
 
 use super::Surface;
-use super::field::{Nodes, Planes};
 use super::grid::GridSurface;
+use super::height_field::{Nodes, Planes};
 use super::mesh::{MeshSurface, MeshSurfaceError};
 
 /// A plate ready for rays: on its grid if its relief stands on one, else as triangles in a tree.
 #[derive(Clone)]
-pub enum Plate {
+pub enum TracedPlate {
     /// A plane over each rectangle of a grid.
     Facets(GridSurface<Planes>),
     /// Two triangles over each rectangle of a grid.
@@ -28,7 +28,7 @@ pub trait Task {
     fn on<S: Surface>(self, surface: &S) -> Self::Output;
 }
 
-impl Plate {
+impl TracedPlate {
     /// The plate that stands in `mesh`; its optical area is the xy bounding box less `margin` mm on each side.
     ///
     /// Fails as [`MeshSurface::new`] does.
@@ -112,10 +112,10 @@ mod tests {
 
     #[test]
     fn a_relief_on_a_grid_is_traced_as_one_unless_it_is_inside_out() {
-        assert!(matches!(Plate::new(&block(false), 0.0), Ok(Plate::Heights(_))));
-        assert!(matches!(Plate::new(&block(true), 0.0), Ok(Plate::Mesh(_))));
-        assert!(Plate::new(&block(false), 1.0).is_err());
-        assert!(Plate::new(&block(true), 0.0).unwrap().endless().is_none());
+        assert!(matches!(TracedPlate::new(&block(false), 0.0), Ok(TracedPlate::Heights(_))));
+        assert!(matches!(TracedPlate::new(&block(true), 0.0), Ok(TracedPlate::Mesh(_))));
+        assert!(TracedPlate::new(&block(false), 1.0).is_err());
+        assert!(TracedPlate::new(&block(true), 0.0).unwrap().endless().is_none());
     }
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
             }
         }
         for inside_out in [false, true] {
-            let area = Plate::new(&block(inside_out), 0.25).unwrap().run(Area);
+            let area = TracedPlate::new(&block(inside_out), 0.25).unwrap().run(Area);
             assert_eq!(area, (DVec2::splat(0.25), DVec2::splat(1.75)));
         }
         let grid = HeightGrid::new(vec![0.0, 1.0], vec![0.0, 2.0], vec![0.0; 4]);

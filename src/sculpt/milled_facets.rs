@@ -1,6 +1,6 @@
-//! A plate of facets as a ball cutter would leave it: fillets at the foot of walls and along valleys, rims cut clean.
+//! A plate of facets as a ball cutter would leave it: fillets at the foot of walls and along valleys, edges cut clean.
 //!
-//! The tool, its grid and its sweeps are those of `milled.rs`, but the plate does not repeat: beyond its rim there is
+//! The tool, its grid and its sweeps are those of `tool.rs`, but the plate does not repeat: beyond its rim there is
 //! nothing to stand on, and the ball goes down past it. At a wall the ball rests on the upper edge and on the lower facet:
 //! a step of height h < R ends in an arc √(2Rh - h²) wide, and nothing of the wall is left.
 
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::heights::HeightGrid;
 
-use super::milled::{PLACES_ACROSS_CUTTER, swept_across_rows, swept_along_rows};
+use super::tool::{PLACES_ACROSS_CUTTER, swept_across_rows, swept_along_rows};
 
 /// Places of the tool over the optical area at the most; more would take gigabytes.
 const MOST: f64 = 1.6e7;
@@ -21,7 +21,7 @@ const LEAST_ACROSS_CUTTER: f64 = 10.0;
 
 /// The optical area of a plate after the cutter.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MilledPlate {
+pub struct MilledFacets {
     /// The machined surface, a node for each place of the tool.
     pub surface: HeightGrid,
     /// The most that the cutter stays above the facets, mm.
@@ -39,7 +39,7 @@ pub fn least_diameter(area: f64) -> f64 {
 }
 
 /// The optical area of `relief` after a ball of `radius` mm that was led over the whole plate.
-pub fn milled_plate(relief: &FacetedRelief, radius: f64) -> MilledPlate {
+pub fn milled_facets(relief: &FacetedRelief, radius: f64) -> MilledFacets {
     let (columns, rows) = &relief.optical;
     let (low, high) = relief.optical_area();
     // A whole number of places a facet, so that edges lie on places.
@@ -67,7 +67,7 @@ pub fn milled_plate(relief: &FacetedRelief, radius: f64) -> MilledPlate {
     let cut = x.inner(&y, &z);
     let most_left = cut.iter().zip(&written).map(|(a, b)| a - b).fold(0.0, f32::max).into();
     let heights = cut.into_iter().map(f64::from).collect();
-    MilledPlate { surface: HeightGrid::new(x.lines(), y.lines(), heights), most_left }
+    MilledFacets { surface: HeightGrid::new(x.lines(), y.lines(), heights), most_left }
 }
 
 /// Places along one side of the plate: over the optical area, and twice the ball's reach beyond it.
@@ -144,7 +144,7 @@ mod tests {
     }
 
     /// Compares all rows of a milled plate with a profile.
-    fn assert_profile(plate: &MilledPlate, height: impl Fn(f64) -> f64) {
+    fn assert_profile(plate: &MilledFacets, height: impl Fn(f64) -> f64) {
         let HeightGrid { x, y, heights, .. } = &plate.surface;
         assert_eq!((x[0], y[0], x.len(), y.len()), (0.0, 0.0, 201, 201));
         for (k, z) in heights.iter().enumerate() {
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn a_step_ends_in_the_balls_arc() {
         // 0.25² = 0.2² + 0.15²: the ball on the floor touches the edge of a step of 0.05 mm at 0.15 mm.
-        let plate = milled_plate(&pair([0.05, 0.0], [0.0, 0.0]), RADIUS);
+        let plate = milled_facets(&pair([0.05, 0.0], [0.0, 0.0]), RADIUS);
         assert_profile(&plate, |x| match x - 1.0 {
             d if d < 1e-9 => 0.05,
             d if d < 0.15 => RADIUS - (RADIUS * RADIUS - (0.15 - d) * (0.15 - d)).sqrt(),
@@ -168,7 +168,7 @@ mod tests {
     fn a_groove_gets_its_fillet() {
         // Sine 0.28, cosine 0.96: the fillet reaches R sin α = 0.07 mm to either side.
         let rise = 0.28 / 0.96;
-        let plate = milled_plate(&pair([0.0, 0.0], [-rise, rise]), RADIUS);
+        let plate = milled_facets(&pair([0.0, 0.0], [-rise, rise]), RADIUS);
         assert_profile(&plate, |x| match (x - 1.0).abs() {
             d if d < 0.07 => RADIUS / 0.96 - (RADIUS * RADIUS - d * d).sqrt(),
             d => rise * d,
@@ -180,13 +180,13 @@ mod tests {
     fn the_plate_ends_at_its_rim() {
         // A ramp that began anew beyond the rim would have a fillet at its foot.
         let ramp = pair([0.0, 0.0], [0.3, 0.3]);
-        let bare = milled_plate(&ramp, RADIUS);
+        let bare = milled_facets(&ramp, RADIUS);
         assert!(bare.most_left < 1e-6);
         // A border level with the foot: half the turn of slope lies in the ramp. tan(α/2) = 0.2, and the ball that
         // touches both stands 0.05 mm before the foot.
         let rise = 0.4 / (1.0 - 0.04);
         let bordered = pair([0.0, 0.0], [rise, rise]).with_rim(1.0);
-        let cut = milled_plate(&bordered, RADIUS);
+        let cut = milled_facets(&bordered, RADIUS);
         assert_eq!(cut.surface.x, bare.surface.x);
         let at_foot = RADIUS - (RADIUS * RADIUS - 0.05 * 0.05).sqrt();
         assert!((cut.most_left - at_foot).abs() < 1e-6, "{} {at_foot}", cut.most_left);
@@ -197,7 +197,7 @@ mod tests {
     fn a_small_ball_on_a_large_plate_has_fewer_places() {
         let facets = vec![Facet { height: 0.0, slope: Slope::FLAT }; 12];
         let plate = FacetedRelief::uniform(4, 3, DVec2::new(400.0, 300.0), facets);
-        let coarse = milled_plate(&plate, 0.1).surface;
+        let coarse = milled_facets(&plate, 0.1).surface;
         assert_eq!(((coarse.x.len() - 1) % 4, (coarse.y.len() - 1) % 3), (0, 0));
         let places = (coarse.x.len() * coarse.y.len()) as f64;
         assert!((0.9..1.01).contains(&(places / MOST)), "{places}");

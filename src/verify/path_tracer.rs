@@ -11,7 +11,7 @@ use crate::trace::path::frame;
 use crate::trace::{Hit, Kind, Surface};
 
 /// What a surface is made of and what shines on it.
-pub(super) struct Gatherer<'a, S> {
+pub(super) struct PathTracer<'a, S> {
     pub surface: &'a S,
     pub material: &'a Material,
     pub lamp: &'a Lamp,
@@ -24,30 +24,30 @@ pub(super) struct Gatherer<'a, S> {
 
 /// Light of one path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Gathered {
+pub(super) struct PathLight {
     pub radiance: f64,
     /// What is left of light that wants more bounces.
     pub trapped: f64,
 }
 
-impl<S: Surface> Gatherer<'_, S> {
+impl<S: Surface> PathTracer<'_, S> {
     /// Radiance toward where a ray came from that has met the surface at `hit` along `direction`; `world` takes the
     /// surface's frame to that of the lamp.
     ///
     /// The lamp is looked for both at random points of it and where the material would send light, each weighted by its
     /// share of the two densities (Veach & Guibas, SIGGRAPH 1995, balance heuristic). BRDFs being reciprocal, the path
     /// may as well run from the eye.
-    pub fn gather(
+    pub fn radiance(
         &self,
         mut hit: Hit<S::Place>,
         mut direction: DVec3,
         world: &DMat3,
         random: &mut Xoshiro256PlusPlus,
-    ) -> Gathered {
+    ) -> PathLight {
         let Self { surface, material, lamp, light, ambient, max_bounces } = self;
         let (smooth, point, endless) = (material.is_smooth(), lamp.is_point(), surface.is_endless());
         let to_local = world.transpose();
-        let mut sum = Gathered::default();
+        let mut sum = PathLight::default();
         let mut throughput = 1.0;
         for bounce in 0.. {
             if surface.kind(hit.place) == Kind::Outer {

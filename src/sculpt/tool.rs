@@ -14,9 +14,9 @@ use rayon::prelude::*;
 
 use crate::relief::periodic::PeriodicRelief;
 
+use super::edge_slopes::Lattice;
+use super::periodic_filter::PeriodicFilter;
 use super::resample::sampled;
-use super::rims::Lattice;
-use super::waves::Waves;
 
 /// Places along a side of a cell at the most.
 const MOST: usize = 2000;
@@ -131,11 +131,11 @@ impl Tool {
 }
 
 /// One cell of `relief` after polish or paint that smooths heights by a Gaussian of standard deviation `sigma` mm.
-pub fn levelled(mut relief: PeriodicRelief, sigma: f64) -> PeriodicRelief {
+pub fn polished(mut relief: PeriodicRelief, sigma: f64) -> PeriodicRelief {
     if sigma > 0.0 {
         let lattice = Lattice { n: relief.nodes, step: relief.step() };
-        let waves = Waves::new(lattice.n);
-        waves.filter(&mut relief.heights, lattice.n, &waves.levelling(lattice, sigma));
+        let waves = PeriodicFilter::new(lattice.n);
+        waves.filter(&mut relief.heights, lattice.n, &waves.polish(lattice, sigma));
     }
     relief
 }
