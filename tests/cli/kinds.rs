@@ -86,7 +86,7 @@ fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     assert!(told.stdout.contains("30 × 30 facets"), "{}", told.stdout);
     assert!(told.stdout.contains("Note: Flat facets were made, since 30x30"), "{}", told.stdout);
     let report = json(home.path().join("open/report.json"));
-    assert!(report["design"]["surface"].as_str().unwrap().starts_with("flat: facets are better"), "{report}");
+    assert!(report["design"]["surface"].as_str().unwrap().starts_with("facets: they are better"), "{report}");
     let [flat, sheet] =
         ["flat", "continuous"].map(|kind| report["beside_facets"]["tv_incident_1deg"][kind].as_f64().unwrap());
     assert!(flat < sheet, "{flat} {sheet}");
