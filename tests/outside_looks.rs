@@ -11,7 +11,7 @@ use std::path::Path;
 
 use facetmill::brdf::metals::Metal;
 use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
-use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::export::stl::write_stl;
 use facetmill::picture::read;
 use facetmill::progress::Progress;

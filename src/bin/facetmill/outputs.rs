@@ -1,7 +1,7 @@
 //! The pictures that design and verify both write.
 
 use facetmill::export::comparison::{Captions, ComparisonPage};
-use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::projection::View;
 use facetmill::raster::Raster;
 use facetmill::recipe::proof::Proof;
