@@ -168,6 +168,8 @@ pub mod sharpen;
 
 pub mod distribution;
 
+pub mod cutter;
+
 pub mod facets;
 
 pub mod relief;

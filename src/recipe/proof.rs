@@ -1,7 +1,8 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
+use super::Recipe;
 use super::run::{Design, DesignError};
-use super::{Cutter, Recipe};
+use crate::cutter::Cutter;
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
 use crate::progress::Progress;
@@ -104,7 +105,7 @@ impl Made {
         let (cut, left) = match recipe.design.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter.radius()).mill(relief);
+                let milled = Tool::new(relief.cell, cutter).mill(relief);
                 let left = milled.most_left();
                 (milled.relief, left)
             }
@@ -151,6 +152,6 @@ pub(super) fn send_over_milled_facets(
     cutter: Cutter,
     mirrored: Mirrored,
 ) -> (Option<Measurement>, f64) {
-    let milled = milled_facets(relief, cutter.radius());
+    let milled = milled_facets(relief, cutter);
     (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
 }
