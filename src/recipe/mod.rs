@@ -6,14 +6,6 @@ mod cutter;
 
 mod kind;
 
-pub mod run;
-
-pub mod proof;
-
-pub mod compare;
-
-pub mod report;
-
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
