@@ -57,7 +57,7 @@
 //! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
-//!    share of the plate's area.
+//!    share of the plate's area. [`cutter`] is what it is to be cut with.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Or one sheet.** [`sculpt`] shapes a sheet in place of facets: see [`recipe::SurfaceKind`].
@@ -168,6 +168,8 @@ pub mod highlight;
 pub mod sharpen;
 
 pub mod distribution;
+
+pub mod cutter;
 
 pub mod facets;
 

@@ -3,8 +3,6 @@
 //! FACETMILL_PYTHON names a Python that has Mitsuba, `python3` if unset. Where it has none the tests are skipped,
 //! visibly; with FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
 
-mod asking;
-
 use std::f64::consts::PI;
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -14,6 +12,8 @@ use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
 use glam::DVec3;
 use serde_json::Value;
+
+use crate::asking;
 
 /// GGX with Smith's separable shadowing and no absorption (Walter et al. 2007), the roughness per axis.
 fn ggx(wi: DVec3, wo: DVec3, [ax, ay]: [f64; 2]) -> f64 {

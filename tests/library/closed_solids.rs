@@ -1,17 +1,15 @@
 //! Whatever the relief, its solid is closed, exact and true to the slopes.
 
-mod plates;
-
 use std::collections::HashMap;
 use std::io::Cursor;
 
+use crate::plates::{ALL, Shape, plate};
 use facetmill::export::solid::{SolidError, solid};
 use facetmill::export::stl::{open_edges, read_stl, write_stl};
 use facetmill::relief::faceted::FacetedRelief;
 use facetmill::relief::mesh::Mesh;
 use facetmill::slope::Slope;
 use glam::DVec2;
-use plates::{ALL, Shape, plate};
 
 /// Every edge once each way, every vertex one ring of triangles, positions distinct, no triangle degenerate.
 fn assert_manifold(mesh: &Mesh, name: &str) {

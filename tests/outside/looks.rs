@@ -3,8 +3,6 @@
 //! FACETMILL_PYTHON names a Python with mitsuba, numpy and trimesh. Where they are missing the test is skipped, visibly;
 //! with FACETMILL_REQUIRE_CHECKERS=1 that is a failure. FACETMILL_LOOKS names a folder in which the pictures are left.
 
-mod asking;
-
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -31,6 +29,8 @@ use facetmill::verify::measure::{Experiment, Measuring};
 use facetmill::verify::render::{RenderedView, Shape, ViewSettings, look};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
+
+use crate::asking;
 
 /// Tells on the terminal itself, past the test harness, that nobody was asked.
 #[allow(clippy::explicit_write, reason = "the harness hides what a passing test says with eprintln")]

@@ -1,16 +1,15 @@
 //! `facetmill measure` as a whole, from the command line to the files: each of its five ways.
 
-mod program;
-
 use std::fs;
 use std::path::Path;
 use std::sync::LazyLock;
 
 use image::{GrayImage, Luma};
-use program::{Outcome, home, listing, run_line};
 use serde_json::Value;
 use tempfile::TempDir;
 use tiff::decoder::{Decoder, DecodingResult};
+
+use super::program::{Outcome, home, listing, run_line};
 
 /// Each way on few rays, and the files that it writes beside report.json, sorted.
 const WAYS: [(&str, &[&str]); 5] = [

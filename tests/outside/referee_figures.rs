@@ -4,13 +4,13 @@
 //! the Python that its setup.sh prints. Where it is missing the tests are skipped, visibly; with
 //! FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
 
-mod referee;
-
 use std::ffi::OsStr;
 use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
+
+use crate::referee;
 
 /// Rays on either side.
 const RAYS: u64 = 2_000_000;

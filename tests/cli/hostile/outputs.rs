@@ -4,8 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
+use super::{Trials, wrong_with};
 use crate::program::{facetmill, finish, listing};
-use crate::{Trials, wrong_with};
 
 #[test]
 fn places_that_cannot_be_written_are_named() {

@@ -1,6 +1,6 @@
 //! Flags that mean nothing, or too much.
 
-use crate::{Trials, words};
+use super::{Trials, words};
 
 /// Flags, exit code, what the sentence must name.
 const DESIGN: &[(&str, i32, &str)] = &[

@@ -4,11 +4,9 @@
 //! Demanded of each ray and of its bounces: hits lie on the surface and are met from the front; what goes down over the
 //! plate meets it; what meets nothing leaves upward or past the rim. Each trial has a seed, which a failure names.
 
-#[allow(dead_code, reason = "not every shape is hostile to rays")]
-mod plates;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::plates::{Shape, plate};
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::solid::solid;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
@@ -20,7 +18,6 @@ use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
 use facetmill::trace::{Hit, Kind, Surface};
 use glam::{DVec2, DVec3};
-use plates::{Shape, plate};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 

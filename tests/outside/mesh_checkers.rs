@@ -3,10 +3,7 @@
 //! A judge that is not installed is skipped, visibly; with FACETMILL_REQUIRE_CHECKERS=1 it is a failure.
 //! FACETMILL_PYTHON names the Python to use, `python3` if unset.
 
-mod plates;
-
 use std::fs::File;
-use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::LazyLock;
@@ -18,7 +15,9 @@ use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
 use facetmill::relief::mesh::Mesh;
-use plates::{ALL, Shape, plate};
+
+use crate::asking::skip;
+use crate::plates::{ALL, Shape, plate};
 
 /// Recipes whose plates are judged: picture, what differs from the default.
 const DESIGNS: [(&str, &str, &str); 17] = [
@@ -80,18 +79,10 @@ static WRITTEN: LazyLock<Vec<PathBuf>> = LazyLock::new(|| {
     meshes.into_iter().map(write).collect()
 });
 
-/// Says on the terminal itself, past the test harness, that a judge was not asked.
-#[allow(clippy::explicit_write, reason = "the harness hides what a passing test says with eprintln")]
-fn skip(judge: &str, why: &str) {
-    let required = std::env::var("FACETMILL_REQUIRE_CHECKERS").is_ok_and(|value| value == "1");
-    assert!(!required, "{judge} is required but missing: {why}");
-    writeln!(std::io::stderr(), "SKIPPED: no opinion of {judge} ({why})").unwrap();
-}
-
 #[test]
 fn manifold3d_and_trimesh_find_every_solid_sound() {
     let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/check_mesh.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/outside/check_mesh.py");
     // Without files it only says whether it could judge.
     match Command::new(&python).arg(script).output() {
         Err(why) => return skip("manifold3d and trimesh", &format!("{python}: {why}")),

@@ -1,9 +1,6 @@
 //! Broken and hostile inputs, each through the whole program: the right exit code, one clear sentence that names the
 //! culprit, no file left behind, no panic, an end.
 
-#[path = "../program/mod.rs"]
-mod program;
-
 mod flags;
 mod measure;
 mod outputs;
@@ -13,7 +10,7 @@ mod recipes;
 
 use std::path::Path;
 
-use program::{Outcome, listing, run};
+use crate::program::{self, Outcome, listing, run};
 use tempfile::TempDir;
 
 /// Hostile runs in one folder; all are made before any failure is told.

@@ -1,12 +1,9 @@
 //! A plate that was written as a solid is known as the relief that it was, and its light is the same.
 
-#[allow(dead_code, reason = "shared with tests that need all of it")]
-mod plates;
-#[path = "plates/waves.rs"]
-mod waves;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::plates::waves::waves;
+use crate::plates::{ALL, Shape, plate};
 use facetmill::brdf::material::Material;
 use facetmill::export::solid::solid;
 use facetmill::progress::Progress;
@@ -22,7 +19,6 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::tally::{Measurement, Tally};
 use glam::DVec3;
-use plates::{ALL, Shape, plate};
 
 /// Heights of a solid nearer than this share of the finest pitch become one, or are kept as far apart where surfaces only
 /// touch.
@@ -105,7 +101,7 @@ fn the_relief_known_again_sends_light_as_the_relief_and_the_mesh_do() {
 
 #[test]
 fn a_continuous_mesh_is_known_node_for_node_and_sends_the_same_light() {
-    let mesh = waves::waves();
+    let mesh = waves();
     let Some(Recognised::Heights(grid)) = recognise(&mesh) else { panic!("not known") };
     assert_eq!((grid.x.len(), grid.y.len()), (49, 49));
     assert!(grid.rising.iter().all(|&rises| !rises));
@@ -128,7 +124,7 @@ fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
 #[test]
 fn what_is_no_relief_on_a_grid_is_left_alone() {
     let relief = plate(Shape::Random, 8, 6, 1.0, 0.0, 1);
-    let (faceted, continuous) = (solid(&relief, 1.0).unwrap(), waves::waves());
+    let (faceted, continuous) = (solid(&relief, 1.0).unwrap(), waves());
     for mesh in [&faceted, &continuous] {
         for degrees in [0.1, 10.0, 45.0f64] {
             let turned = moved(mesh, |v| glam::DMat3::from_rotation_z(degrees.to_radians()) * v);

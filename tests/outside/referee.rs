@@ -3,12 +3,10 @@
 //! The referee is a folder outside this repository (FACETMILL_REFEREE, or `../shared/referee`); FACETMILL_PYTHON names
 //! the Python that its setup.sh prints.
 
-#[path = "../asking/mod.rs"]
-mod asking;
-
 use std::path::{Path, PathBuf};
 
-pub use asking::ask;
+use crate::asking;
+pub use crate::asking::ask;
 
 /// Tells that the referee was not asked.
 pub fn skip(why: &str) {

@@ -1,11 +1,9 @@
 //! Laws that hold for every relief: light is neither made nor lost, light runs backward as forward, a lamp is the sum of
 //! its points, and what is known in closed form is what plain rays find.
 
-#[allow(dead_code, reason = "not every shape is needed here")]
-mod plates;
-
 use std::f64::consts::TAU;
 
+use crate::plates::{Shape, plate};
 use facetmill::brdf::material::Material;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
@@ -18,7 +16,6 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::tally::{Measurement, Tally};
 use glam::DVec3;
-use plates::{Shape, plate};
 
 /// Half field of the image, degrees: everything above the plate.
 const HALF_FIELD: f64 = 90.0;

@@ -18,7 +18,7 @@ pub fn skip(whom: &str, why: &str) {
 /// What a script in `tests/` prints, or why it cannot run: exit code 3 means that a package is missing.
 pub fn ask<S: AsRef<OsStr>>(script: &str, arguments: &[S]) -> Result<String, String> {
     let python = std::env::var("FACETMILL_PYTHON").unwrap_or_else(|_| "python3".into());
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(script);
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/outside").join(script);
     let run = Command::new(&python).arg(script).args(arguments).output().map_err(|why| format!("{python}: {why}"))?;
     let said = String::from_utf8_lossy(&run.stdout).into_owned();
     if run.status.code() == Some(3) {

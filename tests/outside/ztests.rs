@@ -7,10 +7,6 @@
 //!
 //! What is needed, and what happens without it, is told in `referee/mod.rs`.
 
-mod referee;
-#[path = "plates/waves.rs"]
-mod waves;
-
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +25,9 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::tally::{Measurement, Tally};
 use serde_json::{Value, json};
+
+use crate::plates::waves::waves;
+use crate::referee;
 
 /// Rays on either side, about; pixels a side; half field, degrees; roughness of the aluminium.
 const RAYS: u64 = 400_000;
@@ -57,7 +56,7 @@ fn plates() -> Vec<(&'static str, Mesh)> {
         ("portrait", designed("portrait", "plate = { facets = [30, 30], cells = 2 }")),
         ("letter", designed("letter", FACETS)),
         ("tall_walls", designed("letter", "highlight = { half-field = 40 }\ndesign = { arrange = 'random' }")),
-        ("waves", waves::waves()),
+        ("waves", waves()),
     ]
 }
 

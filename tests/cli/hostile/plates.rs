@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::Trials;
+use super::Trials;
 use crate::program::run;
 
 type Triangle = [[f32; 3]; 3];

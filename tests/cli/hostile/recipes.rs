@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::Trials;
+use super::Trials;
 
 /// Recipe after `picture = "ring.png"`, exit code, what the sentence must name besides the file.
 const RECIPES: &[(&str, i32, &str)] = &[

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageFormat, Luma};
 
-use crate::Trials;
+use super::Trials;
 use crate::program::ring;
 
 fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {

@@ -3,8 +3,8 @@
 use std::fs;
 
 use super::plates::{block, moved, stl};
+use super::{Trials, words};
 use crate::program::{run, run_line};
-use crate::{Trials, words};
 
 /// Flags that take a number, whatever goes with them, and which of `NUMBERS` do.
 const NUMERIC: &[(&str, &str, &[&str])] = &[
