@@ -4,14 +4,6 @@ mod check;
 
 mod kind;
 
-pub mod run;
-
-pub mod proof;
-
-pub mod compare;
-
-pub mod report;
-
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
