@@ -57,8 +57,7 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> Value {
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
-    let milled =
-        recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
+    let milled = recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
