@@ -1,5 +1,6 @@
 //! How long a file, a function and a list of parameters may be.
 
+use crate::none;
 use crate::source::{identifiers, matched, sources};
 
 const FILE_LINES: usize = 400;
@@ -89,7 +90,8 @@ fn parameters(list: &str) -> usize {
         }
         last = c;
     }
-    let is_self = |piece: &str| identifiers(piece).find(|(_, word)| *word != "mut").is_some_and(|(_, word)| word == "self");
+    let is_self =
+        |piece: &str| identifiers(piece).find(|(_, word)| *word != "mut").is_some_and(|(_, word)| word == "self");
     pieces.iter().map(|piece| piece.trim()).filter(|piece| !piece.is_empty() && !is_self(piece)).count()
 }
 
@@ -113,7 +115,7 @@ fn files_functions_and_lists_of_parameters_are_short() {
             }
         }
     }
-    assert!(offences.is_empty(), "{} of\n{}", offences.len(), offences.join("\n"));
+    none(offences);
 }
 
 #[test]

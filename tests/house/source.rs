@@ -143,7 +143,11 @@ fn hidden(text: &str, at: usize) -> usize {
         [b'"', ..] => at + quoted(rest),
         [b'r', b'"' | b'#', ..] if !within_word => {
             let hashes = rest[1..].iter().take_while(|byte| **byte == b'#').count();
-            if rest.get(1 + hashes) == Some(&b'"') { until(&format!("\"{}", "#".repeat(hashes)), 2 + hashes) } else { at }
+            if rest.get(1 + hashes) == Some(&b'"') {
+                until(&format!("\"{}", "#".repeat(hashes)), 2 + hashes)
+            } else {
+                at
+            }
         }
         // A lifetime has no closing quote after its first character.
         [b'\'', b'\\', ..] => until("'", 3),
