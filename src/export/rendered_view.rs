@@ -233,15 +233,15 @@ mod tests {
     #[test]
     fn the_stated_white_is_what_is_shown_white() {
         let raster = Raster::from_fn(20, 10, |x, _| x as f64);
-        let sight = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let view = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
         let look = ViewSettings { size: [20, 10], ..ViewSettings::default() };
         let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
-        let page = view_page(&sight, &look, &exposure);
+        let page = view_page(&view, &look, &exposure);
         // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
         let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
         assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
         for white in [Some(0.0), Some(f64::NAN), None] {
-            let page = view_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            let page = view_page(&view, &look, &Exposure { white, ..Exposure::default() });
             assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
         }
         let black =
