@@ -116,7 +116,7 @@ pub fn design_with_checkpoints(
 /// Light that no relief of `recipe` keeps from straying once its cutter has cut it; `None` without a cutter, and of facets.
 pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavoidable>, DesignError> {
     recipe.check()?;
-    if recipe.surface() == SurfaceKind::Facets || recipe.design.cutter.is_none() {
+    if recipe.surface() == SurfaceKind::Facets || recipe.design.sheet.cutter.is_none() {
         return Ok(None);
     }
     let setup = recipe.setup();
@@ -180,7 +180,7 @@ fn continuous(
     let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
     let sheet = sculpt(distribution, &sculpting, way.from, way.on_step, progress).ok_or_else(none)?;
     clock.lap("sculpting");
-    shallow_enough(sheet.relief.depth(), recipe.design.max_depth)?;
+    shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
     progress.stage("closing the solid");
     let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sheet.relief.faceted().with_rim(recipe.plate.border);

@@ -98,7 +98,7 @@ impl Product {
             }
             Some(sheet) => {
                 let [across, up] = sheet.relief.cells;
-                let cutter = self.recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
+                let cutter = self.recipe.design.sheet.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
                 format!("{across} × {up} cells of a sheet{cutter}")
             }
         }

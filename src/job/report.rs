@@ -135,7 +135,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> Value {
         "grid": relief.nodes,
         "cells": relief.cells,
         "cell_mm": relief.cell.to_array(),
-        "cutter": recipe.design.cutter,
+        "cutter": recipe.design.sheet.cutter,
         "start": sheet.start,
         "misplaced_by_stage": sheet.misplaced,
         "fillet_share": sheet.fillets,
@@ -184,15 +184,8 @@ fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &FacetCompari
     let Some(sheet) = &design.sheet else {
         return format!("Flat facets were made, since {figures}: --surface continuous makes the relief all the same.");
     };
-    let remedies = [
-        (sheet.stopped_early().is_some(), "let the design come to its end"),
-        (recipe.design.max_depth.is_some(), "raise --max-depth"),
-        (recipe.design.min_feature > 0.0, "lower --min-feature"),
-        (recipe.plate.grid.is_some(), "raise --grid"),
-        (recipe.plate.max_triangles.is_some(), "raise --max-triangles"),
-        (recipe.design.cutter.is_some(), "take a smaller cutter"),
-    ];
-    let remedies: String = remedies.iter().filter(|(helps, _)| *helps).map(|(_, what)| format!("{what}, ")).collect();
+    let early = sheet.stopped_early().map(|_| "let the design come to its end");
+    let remedies: String = early.into_iter().chain(recipe.remedies()).map(|what| format!("{what}, ")).collect();
     format!("Flat facets would do better, since {figures}: {remedies}or take --surface flat.")
 }
 
@@ -225,7 +218,7 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
             ));
         }
     }
-    if recipe.surface() == SurfaceKind::Sheet && recipe.design.cutter.is_none() {
+    if recipe.surface() == SurfaceKind::Sheet && recipe.design.sheet.cutter.is_none() {
         say("No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill.".into());
     }
     if let Some(verdict) = verdict {

@@ -1,5 +1,7 @@
 //! Sheets whose light is the picture: one periodic sheet of triangles, optimised as it is written.
 
+pub mod settings;
+
 pub mod edge_slopes;
 
 pub mod periodic_filter;

@@ -21,6 +21,7 @@ use super::concave_edges::ConcaveEdges;
 use super::edge_slopes::{EdgeSlopes, Lattice};
 use super::light_model::LightModel;
 use super::periodic_filter::PeriodicFilter;
+use super::settings::SheetSettings;
 use super::slope_histogram::SlopeHistogram;
 use super::target::SlopeTarget;
 use super::tool::{Tool, polished};
@@ -53,25 +54,12 @@ impl LossScale {
     }
 }
 
-/// What happens to the written relief before light falls on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ManufacturingModel {
-    /// The cutter.
-    pub cutter: Option<Cutter>,
-    /// Polish or paint: heights are smoothed by a Gaussian of this standard deviation, mm.
-    pub polish: f64,
-    /// Waves shorter than about this are damped in the design, mm.
-    pub finest: f64,
-    /// The most that a cell may rise, mm.
-    pub max_depth: Option<f64>,
-    /// Mean slope of the plate.
-    pub tilt: Slope,
-}
-
 /// The loss of reliefs on one lattice.
 pub struct Objective {
     lattice: Lattice,
-    manufacturing: ManufacturingModel,
+    settings: SheetSettings,
+    /// Mean slope of the plate.
+    tilt: Slope,
     target: SlopeTarget,
     light: LightModel,
     closing: Option<Closing>,
@@ -89,22 +77,25 @@ pub struct Objective {
 }
 
 impl Objective {
-    /// For reliefs on `lattice` whose light shall be `target`, seen as `scale` says and made as `manufacturing` says.
-    pub fn new(lattice: Lattice, target: SlopeTarget, scale: LossScale, manufacturing: ManufacturingModel) -> Self {
+    /// For reliefs on `lattice` about the mean slope `tilt` whose light shall be `target`, seen as `scale` says and made as
+    /// `settings` say.
+    pub fn new(lattice: Lattice, tilt: Slope, target: SlopeTarget, scale: LossScale, settings: &SheetSettings) -> Self {
+        let cutter = settings.cutter;
         let heights = PeriodicFilter::new(lattice.n);
-        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, manufacturing.finest));
-        let polish = (manufacturing.polish > 0.0).then(|| heights.gaussian(lattice, manufacturing.polish));
+        let finest = settings.min_feature.unwrap_or(0.0);
+        let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, finest));
+        let polish = settings.polish.map(|sigma| heights.gaussian(lattice, sigma));
         let plane = PeriodicFilter::new(even_smooth_size(target.side + (ROOM / target.bin).ceil() as usize));
         let gains = loss_gains(&plane, target.bin, scale);
         let dark_weight = scale.weighed.then(|| weight(&plane, &target));
-        let concave =
-            manufacturing.cutter.map(|cutter| ConcaveEdges::new(lattice, cutter, sharpest_fold(lattice, cutter)));
-        let crossed = manufacturing.cutter.filter(|_| scale.is_fine()).map_or(0.0, |cutter| crossed(lattice, cutter));
+        let concave = cutter.map(|cutter| ConcaveEdges::new(lattice, cutter, sharpest_fold(lattice, cutter)));
+        let crossed = cutter.filter(|_| scale.is_fine()).map_or(0.0, |cutter| crossed(lattice, cutter));
         let light = LightModel::new(lattice, SlopeHistogram::new(&target), crossed, concave);
-        let closing = manufacturing.cutter.map(|cutter| Closing::new(lattice, cutter));
+        let closing = cutter.map(|cutter| Closing::new(lattice, cutter));
         Self {
             lattice,
-            manufacturing,
+            settings: *settings,
+            tilt,
             target,
             light,
             closing,
@@ -138,7 +129,7 @@ impl Objective {
         let edges = self.edges(z);
         let (loss, penalty) = (self.compare(&edges).0, self.light.penalty(&edges));
         self.valley_weight = if penalty > 0.0 { share * loss / penalty } else { 0.0 };
-        self.depth = self.manufacturing.max_depth.map(|most| {
+        self.depth = self.settings.max_depth.map(|most| {
             let (low, high) = range(z);
             let middle = 0.5 * f64::from(low + high);
             let bounds = [-0.48, 0.48].map(|share| (middle + share * most) as f32);
@@ -149,16 +140,16 @@ impl Objective {
     /// How much deeper than allowed heights `z` are, as a share of what is allowed.
     pub fn too_deep(&self, z: &[f32]) -> f64 {
         let (low, high) = range(z);
-        self.manufacturing.max_depth.map_or(0.0, |most| (f64::from(high - low) / most - 1.0).max(0.0))
+        self.settings.max_depth.map_or(0.0, |most| (f64::from(high - low) / most - 1.0).max(0.0))
     }
 
     /// Takes account of what the tool really makes of heights `z`: the light of its work less that of the model is
     /// added to all light from now on.
     pub fn update_tool_residual(&mut self, z: &[f32]) {
-        let Some(cutter) = self.manufacturing.cutter else { return };
+        let Some(cutter) = self.settings.cutter else { return };
         let cell = self.lattice.cell();
-        let relief = relief(self.lattice, z, self.manufacturing.tilt);
-        let made = polished(Tool::new(cell, cutter).mill(&relief).relief, self.manufacturing.polish);
+        let relief = relief(self.lattice, z, self.tilt);
+        let made = polished(Tool::new(cell, cutter).mill(&relief).relief, self.settings.polish);
         let fine = Lattice { n: made.nodes, step: made.step() };
         // Whoever looks at the tool's grid may cut its squares either way.
         let really = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None)

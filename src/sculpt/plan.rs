@@ -5,26 +5,21 @@ use glam::DVec2;
 use crate::cutter::Cutter;
 
 use super::objective::LossScale;
+use super::settings::SheetSettings;
 
-/// What a sheet shall be.
+/// What a sheet shall be: its cells and nodes, and what it was told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheetSettings {
+pub struct SheetSpec {
     /// Size of a cell, mm.
     pub cell: DVec2,
     /// Cells along x and y.
     pub cells: [usize; 2],
     /// Nodes along each side of a cell, an even number.
     pub grid: usize,
-    /// The cutter that the relief is for.
-    pub cutter: Option<Cutter>,
-    /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
-    pub polish: f64,
-    /// Waves shorter than this are damped, mm; 0 damps none.
-    pub min_feature: f64,
-    /// The most that a cell may rise from its lowest to its highest point about its mean plane, mm.
-    pub max_depth: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
+    /// What it was told.
+    pub settings: SheetSettings,
 }
 
 /// Nodes a side, at the most, of the first tries and of the matching.
@@ -63,8 +58,8 @@ pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0
 pub const TRIAL_ROUNDS: usize = 15;
 
 /// What follows them: where steps are cheap, as many as it takes to tell which start is best for a logo of many pieces.
-pub fn trial_descent(sculpting: &SheetSettings) -> Stage {
-    stage(0.5, 0.75, if sculpting.cutter.is_some() { 30 } else { 80 }, 1.0)
+pub fn trial_descent(sculpting: &SheetSpec) -> Stage {
+    stage(0.5, 0.75, if sculpting.settings.cutter.is_some() { 30 } else { 80 }, 1.0)
 }
 
 /// Rounds of matching on the middle grid.
@@ -127,11 +122,11 @@ impl Step {
 }
 
 /// The steps to a relief of `sculpting`, in order.
-pub fn plan(sculpting: &SheetSettings) -> Vec<Step> {
+pub fn plan(sculpting: &SheetSpec) -> Vec<Step> {
     let mut nodes = halved(sculpting.grid, MIDDLE);
     let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }];
     // Where valleys may be sharp a descent alone gets as far, and logos of many pieces further.
-    if sculpting.cutter.is_some() {
+    if sculpting.settings.cutter.is_some() {
         steps.push(Step::Matching { nodes, rounds: ROUNDS });
     }
     steps.extend(DESCENT.map(|stage| Step::Descent { nodes, stage }));

@@ -1,6 +1,9 @@
 //! The command line: arguments to a recipe, the recipe to a plate, the plate to files.
 
+mod values;
+
 mod args;
+
 mod console;
 mod design;
 mod estimate;
@@ -11,7 +14,6 @@ mod measure;
 mod plates;
 mod snapshots;
 mod usage;
-mod values;
 mod verify;
 
 use std::process::ExitCode;

@@ -13,8 +13,8 @@ use facetmill::verify::goniometer::table::BrdfAxes;
 use facetmill::verify::measure::Measuring;
 use serde_json::json;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::{Failure, row};
 use crate::files::Staged;
 
@@ -52,7 +52,7 @@ pub fn measure(
 ) -> Result<Outcome, Failure> {
     let axes = axes(args)?;
     let lights = axes.slices();
-    let rays = args.running.rays().unwrap_or(RAYS);
+    let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
     progress.stage("lighting the plate from all sides");
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {

@@ -1,6 +1,5 @@
 //! `facetmill measure`: what light does on a plate, in one of five ways.
 
-pub mod args;
 mod brdf;
 mod check;
 mod highlight;
@@ -19,11 +18,11 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
 use serde_json::{Value, json};
 
+use crate::args::MeasureArgs;
 use crate::console::{Failure, NEVER, Stages, print_json, print_table};
 use crate::files::Staged;
 use crate::plates::{self, Opened};
 use crate::values::ExtentArg;
-use args::MeasureArgs;
 
 /// Every file that any measurement may write.
 const FILES: &[&str] = &[
@@ -151,19 +150,10 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
 
 /// The flags laid over what the folder of a design says.
 fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
-    if let Some([theta, phi]) = args.light {
-        (recipe.light.theta, recipe.light.phi) = (theta, phi);
-    }
-    recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
-    recipe.plate.lobe = args.lobe.unwrap_or(recipe.plate.lobe);
-    recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
-    recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
-    recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
     // How long and with which chance the design was proven says nothing of this measurement.
     let usual = Recipe::default();
-    recipe.design.seed = args.seed.unwrap_or(usual.design.seed);
-    recipe.verify = usual.verify;
-    args.running.apply(&mut recipe);
+    (recipe.design.seed, recipe.verify) = (usual.design.seed, usual.verify);
+    args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
 }

@@ -11,8 +11,8 @@ use facetmill::verify::microgeometry::{Masking, NormalDistribution, masking};
 use glam::DVec2;
 use serde_json::json;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::{Failure, row};
 use crate::files::Staged;
 
@@ -46,7 +46,7 @@ pub fn measure(
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
     progress.stage("counting normals");
-    let rays = args.running.rays().unwrap_or(RAYS);
+    let rays = args.rays().unwrap_or(RAYS);
     let task = Counted { rays, seed: bench.measuring.seed, progress };
     let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
         Failure::Impossible(

@@ -9,8 +9,8 @@ use facetmill::trace::traced_plate::Task;
 use facetmill::verify::wall::{WallError, WallImage, WallSettings, throw};
 use serde_json::json;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::{Failure, rays, row};
 use crate::files::Staged;
 
