@@ -41,23 +41,24 @@ impl Exposure {
 }
 
 /// The camera's picture with its exposure; few pixels are shown as whole blocks.
-pub fn view_page(sight: &RenderedView, look: &ViewSettings, exposure: &Exposure) -> RgbImage {
-    let raster = exposure.turned(&sight.radiance);
+pub fn view_page(view: &RenderedView, settings: &ViewSettings, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&view.radiance);
     let white = exposure.white(&raster);
     let times = 384usize.div_ceil(raster.width.max(raster.height).max(1)).max(1) as u32;
     let grey = tone_mapped(&raster, white);
     let grey =
         GrayImage::from_fn(grey.width() * times, grey.height() * times, |x, y| *grey.get_pixel(x / times, y / times));
-    let worn = match look.shape {
+    let worn = match settings.shape {
         Shape::Flat => "plate".to_owned(),
         Shape::Sphere { radius } => format!("ball of radius {} mm", number(radius)),
         Shape::Cylinder { radius } => format!("cylinder of radius {} mm", number(radius)),
     };
-    let [theta, phi, away, across] = [look.theta, look.phi, look.distance, look.field_of_view].map(number);
+    let [theta, phi, away, across] =
+        [settings.theta, settings.phi, settings.distance, settings.field_of_view].map(number);
     let notes = [
         format!(
             "{worn} from {away} mm at {theta}°, {phi}° · {across}° across · surroundings {}/sr",
-            digits(look.ambient)
+            digits(settings.ambient)
         ),
         format!("white is {}/sr under a lamp of irradiance 1 · sRGB, no other curve", digits(white)),
     ];
@@ -65,21 +66,22 @@ pub fn view_page(sight: &RenderedView, look: &ViewSettings, exposure: &Exposure)
 }
 
 /// The wall's picture with a scale in mm along its edges, its exposure, and what the distances blur.
-pub fn wall_page(thrown: &WallImage, throw: &WallSettings, exposure: &Exposure) -> RgbImage {
-    let raster = exposure.turned(&thrown.irradiance());
+pub fn wall_page(image: &WallImage, settings: &WallSettings, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&image.irradiance());
     let white = exposure.white(&raster);
     let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
-    let lamp = if throw.lamp_distance.is_finite() {
-        format!("lamp of radius {} mm at {} mm", number(throw.lamp_radius), number(throw.lamp_distance))
+    let lamp = if image.lamp_distance.is_finite() {
+        format!("lamp of radius {} mm at {} mm", number(image.lamp_radius), number(image.lamp_distance))
     } else {
         "distant lamp".to_owned()
     };
-    let wall = number(throw.wall_distance);
-    let tilt = if throw.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(throw.wall_tilt)) };
-    let blur = &thrown.blur;
+    let wall = number(settings.wall_distance);
+    let tilt =
+        if settings.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(settings.wall_tilt)) };
+    let blur = &image.blur;
     let [pu, pv, lu, lv] = [blur.plate.x, blur.plate.y, blur.lamp.x, blur.lamp.y].map(digits);
     let [a, b] = [blur.plate_angle.max_element(), blur.lamp_angle].map(|angle| digits(angle.to_degrees()));
-    let [(landed, error), ..] = thrown.shares();
+    let [(landed, error), ..] = image.shares();
     let side = if exposure.mirrored { "seen from the plate" } else { "as the highlight image" };
     let notes = [
         format!("wall at {wall} mm{tilt}, {side} · {lamp} · scale in mm"),
@@ -92,7 +94,7 @@ pub fn wall_page(thrown: &WallImage, throw: &WallSettings, exposure: &Exposure) 
         ),
     ];
     let mut page = Page::new(&grey, &exposure.heading, &notes, true);
-    page.scales(thrown.half_width, exposure.mirrored);
+    page.scales(image.half_width, exposure.mirrored);
     page.image
 }
 
@@ -199,7 +201,7 @@ mod tests {
     use crate::verify::tally::{Measurement, Tally};
     use crate::verify::wall::WallBlur;
 
-    fn thrown(n: usize, half_width: f64) -> WallImage {
+    fn wall(n: usize, half_width: f64) -> WallImage {
         let mut part = Tally::empty((n, n));
         part.incident = 1.0;
         part.up_single = 1.0;
@@ -207,12 +209,12 @@ mod tests {
         let measurement = Measurement::of_parts(vec![part; 16]).unwrap();
         let blur =
             WallBlur { plate: DVec2::splat(30.0), lamp: DVec2::ZERO, plate_angle: DVec2::splat(0.03), lamp_angle: 0.0 };
-        WallImage { measurement, blur, half_width }
+        WallImage { measurement, blur, half_width, lamp_distance: f64::INFINITY, lamp_radius: 0.0 }
     }
 
     #[test]
     fn nothing_is_cut_off_at_any_size_and_mirroring_turns_left_to_right() {
-        let throw = WallSettings::default();
+        let settings = WallSettings::default();
         for half_width in [1e-3, 0.3, 25.0, 500.0, 1e9] {
             for (n, heading) in [
                 (1, ""),
@@ -220,13 +222,13 @@ mod tests {
                 (300, "Wall"),
             ] {
                 let exposure = Exposure { heading: heading.to_owned(), ..Exposure::default() };
-                let page = wall_page(&thrown(n, half_width), &throw, &exposure);
+                let page = wall_page(&wall(n, half_width), &settings, &exposure);
                 let (w, h) = page.dimensions();
                 let edge = |x, y| x == 0 || y == 0 || x == w - 1 || y == h - 1;
                 assert!(page.enumerate_pixels().all(|(x, y, p)| *p == PAGE || !edge(x, y)), "{half_width} {n}");
             }
         }
-        let shown = |mirrored| wall_page(&thrown(16, 500.0), &throw, &Exposure { mirrored, ..Exposure::default() });
+        let shown = |mirrored| wall_page(&wall(16, 500.0), &settings, &Exposure { mirrored, ..Exposure::default() });
         let (plain, turned) = (shown(false), shown(true));
         // 384 pixels from (69, 21) on at this size: the lit pixel is the upper left one of 16².
         let (left, top) = (69, 21);
@@ -239,20 +241,20 @@ mod tests {
     #[test]
     fn the_stated_white_is_what_is_shown_white() {
         let raster = Raster::from_fn(20, 10, |x, _| x as f64);
-        let sight = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
-        let look = ViewSettings { size: [20, 10], ..ViewSettings::default() };
+        let view = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let settings = ViewSettings { size: [20, 10], ..ViewSettings::default() };
         let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
-        let page = view_page(&sight, &look, &exposure);
+        let page = view_page(&view, &settings, &exposure);
         // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
         let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
         assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
         for white in [Some(0.0), Some(f64::NAN), None] {
-            let page = view_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            let page = view_page(&view, &settings, &Exposure { white, ..Exposure::default() });
             assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
         }
         let black =
             RenderedView { radiance: Raster::zeros(1, 1), errors: Raster::zeros(1, 1), trapped: Raster::zeros(1, 1) };
-        assert!(view_page(&black, &look, &Exposure::default()).width() > 384);
+        assert!(view_page(&black, &settings, &Exposure::default()).width() > 384);
     }
 
     #[test]

@@ -7,7 +7,8 @@ use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
 use facetmill::slope::direction;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 use serde_json::json;
 

@@ -5,7 +5,8 @@ use facetmill::export::picture::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::measure::{HighlightImage, collect};
+use facetmill::verify::experiment::HighlightImage;
+use facetmill::verify::measure::collect;
 use facetmill::verify::tally::{Measurement, Tally};
 use serde_json::{Map, Value, json};
 
