@@ -12,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::solid::solid;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
-use facetmill::relief::heights::HeightGrid;
+use facetmill::relief::height_grid::HeightGrid;
 use facetmill::relief::periodic::PeriodicRelief;
 use facetmill::relief::recognise::{Recognised, recognise};
 use facetmill::slope::{Slope, direction, mirror};
