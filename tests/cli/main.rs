@@ -5,7 +5,9 @@ mod program;
 
 mod continuous;
 mod files;
+mod hostile;
 mod kinds;
+mod measure;
 mod milled;
 mod names;
 mod stopping;

@@ -1,5 +1,7 @@
 //! Reliefs that tempt a mesher, each from a seed.
 
+pub mod waves;
+
 use facetmill::relief::faceted::{Facet, FacetedRelief};
 use facetmill::slope::Slope;
 use glam::DVec2;

@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex64;
 
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
-use crate::fourier::{Fourier, frequency, smooth_size};
+use crate::fourier::{Fourier, even_smooth_size, frequency};
 use crate::progress::Progress;
 
 /// Standard deviation of the comparison's blur, in units of the facets' mean spacing. A finer one would ask the points
@@ -58,7 +58,7 @@ impl<'a> Field<'a> {
         let inner = ((2.0 * PIXELS_PER_BLUR / blur).ceil() as usize).clamp(32, FINEST);
         let pixel = 2.0 / inner as f64;
         let margin = (3.0 * blur / pixel).ceil() as usize;
-        let side = 2 * smooth_size((inner + 2 * margin).div_ceil(2));
+        let side = even_smooth_size(inner + 2 * margin);
         let mut target = vec![0.0; side * side];
         let shrunk = flux.resampled(inner, inner);
         for row in 0..inner {

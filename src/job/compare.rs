@@ -1,0 +1,94 @@
+//! A sheet beside the flat facets that the same recipe would make: which of the two puts more light right.
+
+use super::design::{Design, DesignError, design};
+use super::proof::{Proof, send_over_milled_facets};
+use crate::progress::Progress;
+use crate::raster::Raster;
+use crate::recipe::{Recipe, SurfaceKind};
+use crate::trace::grid::GridSurface;
+use crate::trace::traced_plate::Task;
+use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::score::blurred_scores;
+use crate::verify::verdict::MAIN_BLUR;
+
+/// Rays over the facets at the most: the light of first bounces is known without.
+const RAYS: u64 = 200_000;
+
+/// Share of the misplaced light.
+const CLEARLY: f64 = 0.1;
+
+/// Light in the wrong place at a blur of [`MAIN_BLUR`], lost light counted, and likeness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// Total variation.
+    pub misplaced: f64,
+    /// Structural similarity.
+    pub ssim: f64,
+}
+
+/// A sheet and flat facets, both as milled if a cutter is named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FacetComparison {
+    /// Facets along x and y.
+    pub facets: [usize; 2],
+    /// What they reach.
+    pub flat: Score,
+    /// What the relief reaches.
+    pub continuous: Score,
+    /// Whether both were judged as their cutter leaves them.
+    pub milled: bool,
+}
+
+impl FacetComparison {
+    /// Whether the facets misplace clearly less light: for less than a tenth nobody wants their steps, and rays
+    /// have their noise.
+    pub fn facets_are_better(&self) -> bool {
+        self.flat.misplaced < (1.0 - CLEARLY) * self.continuous.misplaced
+    }
+}
+
+/// Compares `plate`, which `recipe` made and `proof` judged, with the facets of the same recipe.
+///
+/// `None` if it is of facets itself, if it is to be polished, which facets are not made for, or if there are no such facets.
+pub fn beside_facets(
+    recipe: &Recipe,
+    light: &Raster,
+    plate: &Design,
+    proof: &Proof,
+    progress: &Progress,
+) -> Option<FacetComparison> {
+    if plate.sheet.is_none() || recipe.design.polish > 0.0 {
+        return None;
+    }
+    progress.stage("comparing with flat facets");
+    let recipe = of_facets(recipe);
+    let flat = scored(&recipe, light, proof, progress).ok().flatten()?;
+    let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
+    let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
+    Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() })
+}
+
+/// The same recipe for flat facets, in one dome: the best that facets can do.
+pub fn of_facets(recipe: &Recipe) -> Recipe {
+    let mut recipe = recipe.clone().only_for(SurfaceKind::Facets);
+    recipe.plate.cells = None;
+    recipe
+}
+
+/// The score of a recipe's facets.
+fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -> Result<Option<Score>, DesignError> {
+    let plate = design(recipe, light, &Progress::silent())?;
+    let setup = &plate.distribution.setup;
+    let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), seed: recipe.design.seed, ..Measuring::default() };
+    let metal = recipe.metal();
+    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    let measurement = match recipe.design.cutter {
+        None => mirrored.on(&GridSurface::new(&plate.relief)),
+        Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
+    };
+    Ok(measurement.and_then(|measurement| {
+        let (image, up) = (measurement.whole.share_image(), measurement.whole.up());
+        let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians())?;
+        Some(Score { misplaced: scores.tv_incident, ssim: scores.ssim })
+    }))
+}

@@ -1,0 +1,338 @@
+//! From a recipe and its picture to a plate.
+
+use cpu_time::ProcessTime;
+
+use crate::distribution::{DistributionError, SlopeDistribution};
+use crate::export::sheet::{SheetError, sheet_solid};
+use crate::export::solid::{SolidError, solid};
+use crate::facets::SlopeGrid;
+use crate::facets::arrange::{anneal::anneal_best, per_cell::arrange_per_cell, random_order, transport};
+use crate::facets::heights::{least_squares, weyrich2009};
+use crate::facets::sample::sample;
+use crate::facets::steps::{Steps, steps};
+use crate::highlight::Highlight;
+use crate::progress::Progress;
+use crate::raster::Raster;
+use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
+use crate::relief::faceted::{Facet, FacetedRelief};
+use crate::relief::mesh::Mesh;
+use crate::sculpt::bound::Unavoidable;
+use crate::sculpt::checkpoint::Checkpoint;
+use crate::sculpt::stages::{Sheet, least_stray, sculpt};
+use crate::setup::Setup;
+use crate::sharpen::{Sharpening, sharpen};
+use crate::slope::Slope;
+use crate::trace::mesh::MeshSurfaceError;
+
+/// Light painted below the plate beyond which a design is refused.
+const MOST_BELOW: f64 = 0.5;
+
+/// By how much a sheet may be deeper than asked, as a share: descents end close to the limit, not at it.
+const DEPTH_ALLOWANCE: f64 = 0.02;
+
+/// A plate, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Share of the picture's light painted where no direction above the plate is.
+    pub below_plate: f64,
+    /// What sharpening was worth, if lamp or metal blur.
+    pub sharpening: Option<Sharpening>,
+    /// The slopes that were wanted.
+    pub distribution: SlopeDistribution,
+    /// Facets in their places, if the relief is made of them.
+    pub facets: Option<Facets>,
+    /// The continuous sheet, if the relief is one.
+    pub sheet: Option<Sheet>,
+    /// Light that its cutter cannot keep from straying, if it is for one.
+    pub least_stray: Option<Unavoidable>,
+    /// The relief with its rim; of a continuous one, a plane for each square of its grid.
+    pub relief: FacetedRelief,
+    /// The closed solid.
+    pub mesh: Mesh,
+    /// CPU seconds by stage, in order.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+/// Facets and how they meet.
+#[derive(Clone, Debug)]
+pub struct Facets {
+    /// The slopes that the facets have, in their places.
+    pub grid: SlopeGrid,
+    /// Steps, walls and valleys of the optical area.
+    pub steps: Steps,
+}
+
+/// Designs the plate of `recipe` for `light`, the picture's linear light on a square.
+pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<Design, DesignError> {
+    design_with_checkpoints(recipe, light, None, &mut |_, _| {}, progress)
+}
+
+/// Who is told of every step of a sheet: what slopes are wanted, and what has been reached.
+pub type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
+
+/// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
+/// tells `on_step` of every step that is done.
+///
+/// Cancelled, a sheet is the best so far; facets end in [`DesignError::Cancelled`].
+pub fn design_with_checkpoints(
+    recipe: &Recipe,
+    light: &Raster,
+    from: Option<Checkpoint>,
+    on_step: OnStep<'_>,
+    progress: &Progress,
+) -> Result<Design, DesignError> {
+    recipe.check()?;
+    let mut clock = Clock::start();
+    progress.stage("reading slopes off the highlight");
+    let setup = recipe.setup();
+    let (highlight, sharpening) = wanted(recipe, light, &setup, progress)?;
+    if sharpening.is_some() {
+        clock.lap("sharpening");
+    }
+    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    clock.lap("distribution");
+    let plate = match recipe.surface() {
+        SurfaceKind::Facets => faceted(recipe, &distribution, &mut clock, progress)?,
+        SurfaceKind::Sheet => {
+            let on_step = &mut |at: &Checkpoint| on_step(&distribution, at);
+            continuous(recipe, &distribution, Way { from, on_step }, &mut clock, progress)?
+        }
+    };
+    let Plate { facets, sheet, least_stray, relief, mesh } = plate;
+    let seconds = clock.laps;
+    Ok(Design {
+        below_plate: highlight.below_plate,
+        sharpening,
+        distribution,
+        facets,
+        sheet,
+        least_stray,
+        relief,
+        mesh,
+        seconds,
+    })
+}
+
+/// Light that no relief of `recipe` keeps from straying once its cutter has cut it; `None` without a cutter, and of facets.
+pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavoidable>, DesignError> {
+    recipe.check()?;
+    if recipe.surface() == SurfaceKind::Facets || recipe.design.cutter.is_none() {
+        return Ok(None);
+    }
+    let setup = recipe.setup();
+    let (highlight, _) = wanted(recipe, light, &setup, &Progress::silent())?;
+    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    Ok(least_stray(&distribution, &recipe.sculpting()))
+}
+
+/// The light that is to be sent, sharpened if lamp or metal blur it, if most of it lies above the plate.
+fn wanted(
+    recipe: &Recipe,
+    light: &Raster,
+    setup: &Setup,
+    progress: &Progress,
+) -> Result<(Highlight, Option<Sharpening>), DesignError> {
+    let mut highlight =
+        Highlight::new(&shrunk(light), recipe.highlight.quantity, setup).ok_or(DesignError::AllBelow)?;
+    if highlight.below_plate > MOST_BELOW {
+        return Err(DesignError::MostlyBelow { share: highlight.below_plate });
+    }
+    let sharpening = recipe.blur(setup).map(|blur| {
+        progress.stage("sharpening what lamp and metal will blur");
+        sharpen(&mut highlight.flux, &blur, progress)
+    });
+    Ok((highlight, sharpening))
+}
+
+/// What comes of either kind of relief.
+struct Plate {
+    facets: Option<Facets>,
+    sheet: Option<Sheet>,
+    least_stray: Option<Unavoidable>,
+    relief: FacetedRelief,
+    mesh: Mesh,
+}
+
+/// Where a sheet comes from, and who hears of it on its way.
+struct Way<'a> {
+    from: Option<Checkpoint>,
+    on_step: &'a mut dyn FnMut(&Checkpoint),
+}
+
+fn continuous(
+    recipe: &Recipe,
+    distribution: &SlopeDistribution,
+    way: Way,
+    clock: &mut Clock,
+    progress: &Progress,
+) -> Result<Plate, DesignError> {
+    let sculpting = recipe.sculpting();
+    let least_stray = least_stray(distribution, &sculpting);
+    match least_stray {
+        Some(stray) => {
+            let share = 100.0 * stray.share;
+            progress.stage(&format!(
+                "sculpting the relief (no cutter keeps less than {share:.2}% of the light from straying)"
+            ));
+        }
+        None => progress.stage("sculpting the relief"),
+    }
+    let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
+    let sheet = sculpt(distribution, &sculpting, way.from, way.on_step, progress).ok_or_else(none)?;
+    clock.lap("sculpting");
+    shallow_enough(sheet.relief.depth(), recipe.design.max_depth)?;
+    progress.stage("closing the solid");
+    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
+    let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
+    clock.lap("solid");
+    Ok(Plate { facets: None, sheet: Some(sheet), least_stray, relief, mesh })
+}
+
+fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
+    match most.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
+        Some(most) => Err(DesignError::TooDeep { depth, most }),
+        None => Ok(()),
+    }
+}
+
+fn faceted(
+    recipe: &Recipe,
+    distribution: &SlopeDistribution,
+    clock: &mut Clock,
+    progress: &Progress,
+) -> Result<Plate, DesignError> {
+    let [columns, rows] = recipe.facets();
+    let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
+    progress.stage("drawing facets");
+    let points = sample(distribution, columns * rows, recipe.sampling(), seed, progress);
+    let slopes = points.iter().map(|uv| distribution.setup.slope_at(*uv).unwrap_or(Slope::FLAT)).collect();
+    clock.lap("sampling");
+
+    progress.stage("arranging facets");
+    let grid = arranged(recipe, slopes, progress);
+    clock.lap("arrangement");
+    if progress.is_cancelled() {
+        return Err(DesignError::Cancelled);
+    }
+
+    progress.stage("raising facets");
+    let (periodic, heights) = match recipe.heights() {
+        Heights::Free => (false, least_squares(&grid, pitch, false)),
+        Heights::Cyclic => (true, least_squares(&grid, pitch, true)),
+        Heights::Weyrich2009 => (true, weyrich2009(&grid, pitch)),
+    };
+    let steps = steps(&grid, &heights, pitch, periodic);
+    let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
+    clock.lap("heights");
+
+    progress.stage("closing the solid");
+    let mesh = solid(&relief, recipe.plate.thickness)?;
+    clock.lap("solid");
+    Ok(Plate { facets: Some(Facets { grid, steps }), sheet: None, least_stray: None, relief, mesh })
+}
+
+fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
+    let [columns, rows] = recipe.facets();
+    let pitch = recipe.pitch();
+    arrange_per_cell(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
+        let seed = recipe.design.seed.wrapping_add(cell as u64);
+        if recipe.arrangement() == Arrangement::Transport {
+            return transport::dome(slopes, columns, rows, pitch, progress);
+        }
+        let mut grid = SlopeGrid { columns, rows, slopes };
+        random_order(&mut grid, seed);
+        if recipe.arrangement() == Arrangement::Anneal {
+            anneal_best(&mut grid, &recipe.annealing(), seed, progress);
+        }
+        grid
+    })
+}
+
+/// Pictures finer than this are averaged for the design (the score always uses every pixel).
+const FINEST: usize = 1024;
+
+fn shrunk(light: &Raster) -> Raster {
+    let side = light.width.min(FINEST);
+    if side == light.width { light.clone() } else { light.resampled(side, side) }
+}
+
+struct Clock {
+    last: ProcessTime,
+    laps: Vec<(&'static str, f64)>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { last: ProcessTime::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, stage: &'static str) {
+        let now = ProcessTime::now();
+        self.laps.push((stage, now.duration_since(self.last).as_secs_f64()));
+        self.last = now;
+    }
+}
+
+/// Why no plate came of a recipe.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// The recipe itself.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// No direction above the plate.
+    #[error("none of the picture's light lies above the plate: lower the light's angle or --half-field")]
+    AllBelow,
+    /// More than half of the light below the plate.
+    #[error(
+        "{:.0}% of the picture's light lies below the plate, where nothing can be seen: lower the light's angle or --half-field",
+        100.0 * share
+    )]
+    MostlyBelow {
+        /// Share of the picture's light.
+        share: f64,
+    },
+    /// No slopes.
+    #[error(transparent)]
+    SlopeDistribution(#[from] DistributionError),
+    /// No solid.
+    #[error(transparent)]
+    Solid(#[from] SolidError),
+    /// No solid of a sheet.
+    #[error(transparent)]
+    Sheet(#[from] SheetError),
+    /// The sheet's triangles cannot be traced.
+    #[error(transparent)]
+    Mesh(#[from] MeshSurfaceError),
+    /// The highlight has no extent on the slope plane.
+    #[error("the highlight cannot be laid out as slopes around its mean: raise --half-field, or take --surface flat")]
+    TooNarrow,
+    /// The relief sends nothing into the image.
+    #[error("no light reaches the highlight image: the relief shades itself completely")]
+    NoLight,
+    /// The sheet did not become as shallow as asked.
+    #[error(
+        "the relief is {depth:.3} mm deep where {most} mm were allowed: raise --max-depth, or --cells, since smaller cells are shallower"
+    )]
+    TooDeep {
+        /// What was reached about the mean plane, mm.
+        depth: f64,
+        /// What was allowed, mm.
+        most: f64,
+    },
+    /// The caller asked to stop.
+    #[error("stopped as asked; nothing was written")]
+    Cancelled,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reliefs_deeper_than_allowed_are_refused() {
+        assert!(shallow_enough(9.0, None).is_ok() && shallow_enough(0.509, Some(0.5)).is_ok());
+        let error = shallow_enough(0.511, Some(0.5)).unwrap_err().to_string();
+        assert!(["0.511", "0.5 mm", "--max-depth", "--cells"].iter().all(|part| error.contains(part)), "{error}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
+
+use super::design::{Design, DesignError};
+use crate::export::sheet::sheet_solid;
+use crate::highlight::scored_target;
+use crate::progress::Progress;
+use crate::raster::Raster;
+use crate::recipe::{Cutter, Recipe};
+use crate::relief::faceted::FacetedRelief;
+use crate::relief::periodic::PeriodicRelief;
+use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
+use crate::sculpt::milled_facets::milled_facets;
+use crate::sculpt::stages::Sheet;
+use crate::sculpt::tool::{Tool, polished};
+use crate::setup::Setup;
+use crate::trace::grid::GridSurface;
+use crate::trace::traced_plate::{Task, TracedPlate};
+use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::tally::Measurement;
+use crate::verify::verdict::Verdict;
+use crate::verify::windows::{Likeness, change, likeness};
+
+/// Light sent over a design, and what is said of it.
+#[derive(Clone, Debug)]
+pub struct Proof {
+    /// What was wanted, 256² pixels, sum 1.
+    pub target: Raster,
+    /// What the light did.
+    pub measurement: Measurement,
+    /// The figures.
+    pub verdict: Verdict,
+    /// What is said of a sheet besides.
+    pub sheet: Option<SheetProof>,
+    /// The same of the plate as its cutter leaves it, if one is named.
+    pub milled: Option<MilledProof>,
+}
+
+/// How a sheet looks in parts, and to diffraction; after its cutter, if it was designed for one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheetProof {
+    /// Its windows against the picture.
+    pub windows: Likeness,
+    /// The smallest patch on which its light depends.
+    pub detail: Option<Detail>,
+    /// Share of the light from mirrors so small that diffraction spreads it by more than a degree.
+    pub diffracted: f64,
+}
+
+/// Light sent over a design as its cutter leaves it.
+#[derive(Clone, Debug)]
+pub struct MilledProof {
+    /// The most that the cutter stays above the written surface, mm.
+    pub left: f64,
+    /// What the light did.
+    pub measurement: Measurement,
+    /// The figures.
+    pub verdict: Verdict,
+}
+
+/// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
+/// against the picture.
+pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
+    progress.stage("tracing light over the relief");
+    let setup = &design.distribution.setup;
+    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
+    let metal = recipe.metal();
+    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    let judged = |measurement: Option<Measurement>| {
+        let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
+        let measurement = measurement.ok_or_else(unlit)?;
+        progress.stage("scoring");
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
+        Ok::<_, DesignError>((measurement, verdict))
+    };
+    let (measurement, verdict) = judged(match &design.sheet {
+        None => mirrored.on(&GridSurface::new(&design.relief)),
+        // The triangles themselves, as they stand in the file.
+        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
+    })?;
+    let made = design.sheet.as_ref().map(|sheet| Made::of(recipe, sheet));
+    let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
+    let milled = match send_over_milled(recipe, design, made.as_ref(), mirrored)? {
+        None => None,
+        Some((measurement, left)) => {
+            let (measurement, verdict) = judged(measurement)?;
+            Some(MilledProof { left, measurement, verdict })
+        }
+    };
+    Ok(Proof { target, measurement, verdict, sheet, milled })
+}
+
+/// A sheet as it is made.
+struct Made {
+    /// One cell, after cutter and polish; as written, if it was not designed for them.
+    relief: PeriodicRelief,
+    /// The most that the cutter stays above the written surface, mm.
+    left: f64,
+}
+
+impl Made {
+    fn of(recipe: &Recipe, sheet: &Sheet) -> Self {
+        let relief = &sheet.relief;
+        let (cut, left) = match recipe.design.cutter {
+            None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
+            Some(cutter) => {
+                let milled = Tool::new(relief.cell, cutter).mill(relief);
+                let left = milled.most_left();
+                (milled.relief, left)
+            }
+        };
+        Self { relief: polished(cut, recipe.design.polish), left }
+    }
+
+    fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
+        // Windows lie anywhere on a plate of many cells.
+        let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
+        let changed = change(&self.relief, setup);
+        let detail = smallest_detail(&self.relief, &changed);
+        let diffracted = diffracted(&self.relief, 1.0, &changed);
+        let blur = recipe.blur(setup);
+        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed)?;
+        Some(SheetProof { windows, detail, diffracted })
+    }
+}
+
+/// Light sent over the plate as its cutter and polish leave it, and the most that the cutter leaves, mm; `None` without them.
+fn send_over_milled(
+    recipe: &Recipe,
+    design: &Design,
+    made: Option<&Made>,
+    mirrored: Mirrored,
+) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+    let cutter = recipe.design.cutter;
+    if cutter.is_none() && recipe.design.polish == 0.0 {
+        return Ok(None);
+    }
+    mirrored.progress.stage("milling it, and tracing that");
+    match made {
+        Some(made) => {
+            let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+            Ok(Some((surface.run(mirrored), made.left)))
+        }
+        None => Ok(cutter.map(|cutter| send_over_milled_facets(&design.relief, cutter, mirrored))),
+    }
+}
+
+/// Light sent over facets as their cutter leaves them, and the most that it leaves, mm.
+pub(super) fn send_over_milled_facets(
+    relief: &FacetedRelief,
+    cutter: Cutter,
+    mirrored: Mirrored,
+) -> (Option<Measurement>, f64) {
+    let milled = milled_facets(relief, cutter);
+    (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
+}

@@ -1,0 +1,12 @@
+//! The library as its callers see it: known answers, laws of light, closed solids, hostile input.
+
+#[path = "../plates/mod.rs"]
+mod plates;
+
+mod closed_forms;
+mod closed_solids;
+mod conservation;
+mod hostile_pictures;
+mod hostile_rays;
+mod recognition;
+mod sharpening;

@@ -1,0 +1,13 @@
+//! What programs of others say of our files. Where one of them is not installed its tests are skipped, visibly; with
+//! FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
+
+#[path = "../plates/mod.rs"]
+mod plates;
+
+mod asking;
+mod looks;
+mod mesh_checkers;
+mod referee;
+mod referee_figures;
+mod renderer;
+mod ztests;
