@@ -44,7 +44,7 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
             break;
         }
     }
-    snap_to_atoms(&atoms, &mut centres, size);
+    snap_to_own_atoms(&atoms, &mut centres, size);
     centres.iter().map(|c| c.as_dvec2()).collect()
 }
 
@@ -52,7 +52,7 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
 ///
 /// Where bright regions hold no whole number of facets' mass, a cell reaches across the dark between two of them, and
 /// its centroid would lie in the dark.
-fn snap_to_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
+fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
     let mut spreads: Vec<f32> = atoms.chunks(size).zip(&*centres).map(|(cell, c)| spread(cell, *c)).collect();
     let middle = spreads.len() / 2;
     let (_, &mut usual, _) = spreads.select_nth_unstable_by(middle, f32::total_cmp);
