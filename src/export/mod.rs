@@ -8,9 +8,13 @@ pub mod sheet;
 
 pub mod stl;
 
-pub mod picture;
+pub mod pixels;
 
 pub mod lettering;
+
+mod stroke;
+
+mod page;
 
 pub mod ticks;
 
@@ -24,17 +28,11 @@ pub mod heightmap;
 
 pub mod shading;
 
-mod bsdf_warp;
-
-mod bsdf_fit;
-
 pub mod bsdf;
 
 pub mod merl;
 
 pub mod brdf_csv;
-
-mod stroke;
 
 pub mod polar_slices;
 

@@ -12,7 +12,7 @@ use super::grid_lines::GridLines;
 use super::height_field::{FacetPlanes, HeightField, NodeTriangles, Stretch};
 use super::{Hit, PieceKind, Surface};
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::heights::HeightGrid;
+use crate::relief::height_grid::HeightGrid;
 
 /// A relief on a grid, ready for rays.
 #[derive(Clone, Debug)]

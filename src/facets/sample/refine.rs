@@ -1,5 +1,5 @@
-//! The last touch on sampled facets: their light, seen through a blur a little finer than their spacing, is brought
-//! to agree with the highlight.
+//! Sampled facets are moved until their light, seen through a blur a little finer than their spacing, agrees with the
+//! highlight.
 //!
 //! Points repel each other and are drawn to the drawing's light (electrostatic halftoning, Schmaltz et al. 2010):
 //! the loss is Σ_k W(k) |light(k) - highlight(k)|² over spatial frequencies, W(k) = exp(-k²σ²) / (k² + k0²).
@@ -11,16 +11,20 @@ use rustfft::num_complex::Complex64;
 
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
-use crate::fourier::{Fourier, frequency};
+use crate::fourier::{Fourier, even_smooth_size, frequency};
 use crate::progress::Progress;
 
-/// Blur of the comparison, in units of the facets' mean spacing.
+/// Standard deviation of the comparison's blur, in units of the facets' mean spacing. A finer one would ask the points
+/// for detail that no arrangement of them has, a coarser one leaves gaps and heaps that the eye can see.
 const BLUR: f64 = 0.6;
 
-/// Grid pixels a blur.
+/// Grid pixels a blur. The blur's gain at the shortest wave of the grid is exp(-(1.6 π)²), nothing: finer grids give the
+/// same loss and cost more.
 const PIXELS_PER_BLUR: f64 = 1.6;
 
-/// Longest wave that is told apart from a constant, in units of the image side.
+/// Length of wave, in units of the image side, beyond which the loss no longer grows with it: k0 of the loss. At twice
+/// the side, light that lies at the wrong end of the picture weighs most and the mean, which no move changes, has a
+/// finite weight.
 const LONGEST_WAVE: f64 = 2.0;
 
 /// `points` moved so that their blurred light agrees with the distribution's.
@@ -54,7 +58,7 @@ impl<'a> Field<'a> {
         let inner = ((2.0 * PIXELS_PER_BLUR / blur).ceil() as usize).clamp(32, FINEST);
         let pixel = 2.0 / inner as f64;
         let margin = (3.0 * blur / pixel).ceil() as usize;
-        let side = even_smooth(inner + 2 * margin);
+        let side = even_smooth_size(inner + 2 * margin);
         let mut target = vec![0.0; side * side];
         let shrunk = flux.resampled(inner, inner);
         for row in 0..inner {
@@ -111,21 +115,8 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Grid points across the image at the most.
+/// Grid points across the image at the most: a larger grid costs more than all the facets that it could tell apart.
 const FINEST: usize = 192;
-
-/// The next even number with no prime factor above 5, for which transforms are fast.
-fn even_smooth(n: usize) -> usize {
-    let smooth = |mut m: usize| {
-        for p in [2, 3, 5] {
-            while m.is_multiple_of(p) {
-                m /= p;
-            }
-        }
-        m == 1
-    };
-    (n..).find(|&m| m.is_multiple_of(2) && smooth(m)).unwrap_or(n)
-}
 
 #[cfg(test)]
 mod tests {
@@ -211,10 +202,5 @@ mod tests {
             let cosine = dot(&gradient, &measured) / (dot(&gradient, &gradient) * dot(&measured, &measured)).sqrt();
             assert!(cosine > alike, "{theta}: {cosine}");
         }
-    }
-
-    #[test]
-    fn grid_sizes_are_even_and_smooth() {
-        assert_eq!([1, 31, 97, 148, 257].map(even_smooth), [2, 32, 100, 150, 270]);
     }
 }
