@@ -185,4 +185,6 @@ pub mod export;
 
 pub mod recipe;
 
+pub mod report;
+
 pub mod job;
