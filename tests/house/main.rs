@@ -8,7 +8,7 @@ mod source;
 mod toolchain;
 
 /// What is still to be mended: beginnings of offences that the rules let pass.
-const OPEN: [&str; 20] = [
+const OPEN: [&str; 17] = [
     "args refers to measure::args",
     "args refers to values",
     "console refers to files",
@@ -16,15 +16,12 @@ const OPEN: [&str; 20] = [
     "estimate refers to files",
     "measure refers to ",
     "measure::args refers to values",
-    "picture::decode refers to picture::",
     "verify::first_bounce refers to verify::measure",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
-    "src/export/bsdf.rs",
     "src/export/picture.rs",
     "src/export/polar_slices.rs",
-    "src/export/stl.rs",
     "src/job/",
     "src/sculpt/",
     "src/verify/goniometer/table.rs",
