@@ -7,10 +7,10 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use facetmill::job::design::design;
+use facetmill::job::proof::prove;
 use facetmill::picture;
 use facetmill::progress::Progress;
-use facetmill::recipe::proof::prove;
-use facetmill::recipe::run::design;
 use facetmill::recipe::{Arrangement, Recipe};
 
 fn main() -> Result<(), Box<dyn Error>> {

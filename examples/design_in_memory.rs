@@ -7,13 +7,13 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 
 use facetmill::export::stl::write_stl;
+use facetmill::job::design::design;
+use facetmill::job::proof::prove;
 use facetmill::picture::{Reading, from_raster};
 use facetmill::progress::Progress;
 use facetmill::projection::View;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
-use facetmill::recipe::proof::prove;
-use facetmill::recipe::run::design;
 
 const SIDE: usize = 256;
 

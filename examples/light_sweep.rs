@@ -8,12 +8,12 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use facetmill::highlight::scored_target;
+use facetmill::job::design::design;
+use facetmill::job::proof::prove;
 use facetmill::picture;
 use facetmill::progress::Progress;
 use facetmill::projection::Projection;
 use facetmill::recipe::Recipe;
-use facetmill::recipe::proof::prove;
-use facetmill::recipe::run::design;
 use facetmill::trace::grid::GridSurface;
 use facetmill::verify::measure::{Experiment, Measuring, measure};
 use facetmill::verify::verdict::Verdict;

@@ -7,10 +7,10 @@ use std::path::PathBuf;
 
 use facetmill::export::picture::encode_png;
 use facetmill::export::rendered_view::{Exposure, view_page, wall_page};
+use facetmill::job::design::design;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
-use facetmill::recipe::run::design;
 use facetmill::trace::grid::GridSurface;
 use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};

@@ -13,8 +13,8 @@
 //! use facetmill::projection::View;
 //! use facetmill::raster::Raster;
 //! use facetmill::recipe::Recipe;
-//! use facetmill::recipe::proof::prove;
-//! use facetmill::recipe::run::design;
+//! use facetmill::job::proof::prove;
+//! use facetmill::job::design::design;
 //!
 //! // A ring of light: numbers proportional to brightness, row 0 on top.
 //! let ring = Raster::from_fn(64, 64, |column, row| {
@@ -57,7 +57,7 @@
 //! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
-//!    share of the plate's area.
+//!    share of the plate's area. [`cutter`] is what it is to be cut with.
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Or one sheet.** [`sculpt`] shapes a sheet in place of facets: see [`recipe::SurfaceKind`].
@@ -67,8 +67,9 @@
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
 //!    reflection on a wall nearby, [`verify::render`] what a camera sees of the plate.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
-//! 10. **All of it.** [`recipe`] holds every setting with its default, [`recipe::run`] is the pipeline in
-//!     a page, and [`recipe::proof`] sends light over what comes of it.
+//! 10. **All of it.** [`recipe`] holds every setting with its default, [`job`] goes from one and its picture
+//!     to everything that an output folder holds: [`job::design`] is the way to a plate in a page, [`job::proof`] sends
+//!     light over what comes of it.
 //!
 //! # The two frames
 //!
@@ -168,6 +169,8 @@ pub mod sharpen;
 
 pub mod distribution;
 
+pub mod cutter;
+
 pub mod facets;
 
 pub mod relief;
@@ -181,3 +184,5 @@ pub mod verify;
 pub mod export;
 
 pub mod recipe;
+
+pub mod job;

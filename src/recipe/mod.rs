@@ -2,27 +2,17 @@
 
 mod check;
 
-mod cutter;
-
 mod kind;
-
-pub mod run;
-
-pub mod proof;
-
-pub mod compare;
-
-pub mod report;
 
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
 pub use check::RecipeError;
-pub use cutter::{Cutter, CutterError};
 pub use kind::SurfaceKind;
 
 use crate::brdf::material::{Material, Substance};
 use crate::brdf::microfacet::Lobe;
+pub use crate::cutter::{Cutter, CutterError};
 use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::{Annealing, Energy};
 use crate::facets::sample::Sampling;

@@ -2,11 +2,11 @@
 
 use facetmill::distribution::SlopeDistribution;
 use facetmill::highlight::Highlight;
+use facetmill::job::design::{Design, design};
+use facetmill::job::proof::prove;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
 use facetmill::raster::Raster;
-use facetmill::recipe::proof::prove;
-use facetmill::recipe::run::{Design, design};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::setup::Setup;
 use facetmill::verify::blur::{Edge, gaussian};

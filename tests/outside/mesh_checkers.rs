@@ -10,10 +10,10 @@ use std::sync::LazyLock;
 
 use facetmill::export::solid::solid;
 use facetmill::export::stl::write_stl;
+use facetmill::job::design::design;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
-use facetmill::recipe::run::design;
 use facetmill::relief::mesh::Mesh;
 
 use crate::asking::skip;

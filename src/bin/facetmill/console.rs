@@ -7,9 +7,10 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use facetmill::job::design::DesignError;
+pub use facetmill::job::pictures::rays;
 use facetmill::picture::PictureError;
 use facetmill::progress::Event;
-use facetmill::recipe::run::DesignError;
 use facetmill::verify::verdict::{Figure, MAIN_BLUR, Verdict};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::{Value, json};
@@ -157,11 +158,6 @@ pub fn verdict_rows(verdict: &Verdict) -> Vec<[String; 3]> {
         row("bounced twice", percent(verdict.multi_bounce), "of what leaves the plate has met it more than once"),
         row("blocked", percent(verdict.blocked), "of the light never leaves the plate upward"),
     ]
-}
-
-/// How many rays, for people.
-pub fn rays(number: u64) -> String {
-    if number < 1_000_000 { number.to_string() } else { format!("{:.1} million", number as f64 / 1e6) }
 }
 
 /// Never raised: Ctrl-C ends the program at once, after `files::abandon`.

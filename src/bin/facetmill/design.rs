@@ -3,48 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use facetmill::export::heightmap::height_map;
-use facetmill::export::shading::relief_picture;
-use facetmill::export::stl::write_stl;
-use facetmill::highlight::scored_target;
+use facetmill::job::compare::FacetComparison;
+use facetmill::job::design::unavoidable_light;
+use facetmill::job::{FILES, Job, Product};
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress};
-use facetmill::raster::Raster;
-use facetmill::recipe::compare::{FacetComparison, beside_facets, of_facets};
-use facetmill::recipe::proof::{Proof, prove};
-use facetmill::recipe::report::report;
-use facetmill::recipe::run::{Design, design, design_with_checkpoints, unavoidable_light};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::sculpt::stages::Sheet;
 use facetmill::sharpen::SCORED_AT;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Stages, print_json, print_table, row, verdict_rows};
 use crate::files::{OutputError, Staged};
-use crate::outputs::{write_png, write_proof, write_target};
 use crate::snapshots::{self, Snapshots};
 use crate::{estimate, inputs, interrupt};
-
-/// Pixels along the longer side of the height map, at the most.
-const HEIGHT_MAP_SIDE: usize = 2048;
-
-/// Pixels along the longer side of the relief's picture.
-const RELIEF_PICTURE_SIDE: usize = 960;
-
-/// Every file that a design may write.
-const FILES: &[&str] = &[
-    "plate.stl",
-    "heightmap.png",
-    "heightmap.json",
-    "target.png",
-    "simulated.png",
-    "relief.png",
-    "comparison.png",
-    "comparison_milled.png",
-    "recipe.toml",
-    "report.json",
-];
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs) -> Result<(), Failure> {
@@ -67,52 +40,33 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
         picture.notes.push(note.into());
     }
     let stages = Stages::new(quiet);
-    let listen = |event: Event<'_>| stages.hear(event);
+    let listen = |event: Event<'_>| {
+        if matches!(event, Event::Stage(name) if !name.starts_with("sculpting")) {
+            interrupt::design_is_over();
+        }
+        stages.hear(event);
+    };
     let progress = Progress::new(&listen, &interrupt::EARLY);
-    let made = designed(args, folder, &recipe, &picture.light, &progress)?;
-    let proof = match args.no_verify {
-        true => None,
-        false => Some(prove(&recipe, &picture.light, &made, &progress)?),
-    };
-    let compare = |proof| beside_facets(&recipe, &picture.light, &made, proof, &progress);
-    let comparison = proof.as_ref().and_then(compare);
-    let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
-    let (recipe, made, proof) = if facets_win {
-        progress.stage("making flat facets, which are better here");
-        let recipe = of_facets(&recipe);
-        let made = design(&recipe, &picture.light, &progress)?;
-        let proof = prove(&recipe, &picture.light, &made, &progress)?;
-        (recipe, made, Some(proof))
-    } else {
-        (recipe, made, proof)
-    };
+    let made = made(args, folder, Job { recipe: &recipe, picture: &picture, proved: !args.no_verify }, &progress)?;
     progress.stage("writing files");
-    let report = report(&recipe, &picture, &made, proof.as_ref(), comparison.as_ref());
-    write(&mut staged, &recipe, &picture, &made, proof.as_ref(), &report)?;
+    made.write(&picture, &mut |name, content| staged.write(name, |out| content(out)))?;
     staged.publish()?;
     stages.finish();
+    let report = made.report(&picture);
     if to_json {
         print_json(&report)?;
     } else if !quiet {
-        let proved = proof.as_ref().map(|proof| (proof, comparison.as_ref()));
-        print_result(folder, &recipe, &picture, &made, proved, &report)?;
+        print_result(folder, &picture, &made, &report)?;
     }
     Ok(())
 }
 
-/// The design, with snapshots on its way if they are wanted.
-fn designed(
-    args: &DesignArgs,
-    folder: &Path,
-    recipe: &Recipe,
-    light: &Raster,
-    progress: &Progress,
-) -> Result<Design, Failure> {
+/// What comes of the job, with snapshots on its way if they are wanted.
+fn made(args: &DesignArgs, folder: &Path, job: Job, progress: &Progress) -> Result<Product, Failure> {
+    let (recipe, light) = (job.recipe, &job.picture.light);
     let from = if args.resume { Some(snapshots::resume(folder, recipe, light)?) } else { None };
     let mut kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, recipe, light));
-    let made = design_with_checkpoints(
-        recipe,
-        light,
+    let made = job.run(
         from,
         &mut |distribution, at| {
             let goes_on = interrupt::keep(|| kept.as_mut().is_none_or(|kept| kept.take(distribution, at)));
@@ -174,73 +128,8 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
     Ok((recipe, path))
 }
 
-fn write(
-    staged: &mut Staged,
-    recipe: &Recipe,
-    picture: &Picture,
-    made: &Design,
-    proof: Option<&Proof>,
-    report: &Value,
-) -> Result<(), Failure> {
-    let setup = &made.distribution.setup;
-    staged.write("plate.stl", |out| write_stl(&made.mesh, out))?;
-    let map = height_map(&made.relief, HEIGHT_MAP_SIDE);
-    write_png(staged, "heightmap.png", &map.image)?;
-    staged.write_bytes("heightmap.json", format!("{:#}\n", json!(map.sidecar)).as_bytes())?;
-    let plan = relief_picture(&made.relief, &kind(recipe, made), RELIEF_PICTURE_SIDE);
-    write_png(staged, "relief.png", &plan)?;
-    match proof {
-        Some(proof) => {
-            write_target(staged, &proof.target, recipe)?;
-            write_proof(staged, proof, recipe, setup.view(), &plate_line(recipe, made))?;
-        }
-        None => {
-            let target = scored_target(&picture.light, recipe.highlight.quantity, setup, 256);
-            write_target(staged, &target, recipe)?;
-        }
-    }
-    staged.write_bytes("recipe.toml", recipe.to_toml().as_bytes())?;
-    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
-    Ok(())
-}
-
-/// The plate in one line, for captions.
-fn plate_line(recipe: &Recipe, made: &Design) -> String {
-    let [width, height] = recipe.plate.size;
-    let (low, high) = made.relief.height_range();
-    format!(
-        "{width} × {height} mm, {}, relief {:.2} mm   ·   light at {}°, {}°   ·   half field {}°",
-        kind(recipe, made),
-        high - low,
-        recipe.light.theta,
-        recipe.light.phi,
-        recipe.highlight.half_field
-    )
-}
-
-/// What the relief is made of.
-fn kind(recipe: &Recipe, made: &Design) -> String {
-    match &made.sheet {
-        None => {
-            let [across, up] = recipe.facets();
-            format!("{across} × {up} facets")
-        }
-        Some(sheet) => {
-            let [across, up] = sheet.relief.cells;
-            let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
-            format!("{across} × {up} cells of a sheet{cutter}")
-        }
-    }
-}
-
-fn print_result(
-    folder: &Path,
-    recipe: &Recipe,
-    picture: &Picture,
-    made: &Design,
-    proved: Option<(&Proof, Option<&FacetComparison>)>,
-    report: &Value,
-) -> Result<(), OutputError> {
+fn print_result(folder: &Path, picture: &Picture, product: &Product, report: &Value) -> Result<(), OutputError> {
+    let Product { recipe, design: made, proof, comparison } = product;
     let [width, height] = recipe.plate.size;
     let (low, high) = made.relief.height_range();
     let pitch = made.sheet.as_ref().map_or_else(|| recipe.pitch(), |s| s.relief.step());
@@ -249,7 +138,7 @@ fn print_result(
         row(
             "plate",
             format!("{width} × {height} mm"),
-            format!("of {}, {each} {:.3} × {:.3} mm", kind(recipe, made), pitch.x, pitch.y),
+            format!("of {}, {each} {:.3} × {:.3} mm", product.made_of(), pitch.x, pitch.y),
         ),
         row("relief", format!("{:.3} mm", high - low), "from its lowest to its highest point"),
     ];
@@ -270,7 +159,7 @@ fn print_result(
         let what = format!("misplaced by lamp and metal, seen at {SCORED_AT}°; {without:.2} % if not sharpened");
         table.push(row("blur (TV)", tv, what));
     }
-    if let Some((proof, comparison)) = proved {
+    if let Some(proof) = proof {
         table.extend(verdict_rows(&proof.verdict));
         if let Some(sheet) = &proof.sheet {
             let half = sheet.windows.half_cell.mean;
@@ -306,7 +195,7 @@ fn print_result(
     table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));
     let advice = report["advice"].as_array().into_iter().flatten().filter_map(Value::as_str).map(Into::into);
     let notes: Vec<String> = picture.notes.iter().cloned().chain(advice).collect();
-    let look = if proved.is_some() { "; look at comparison.png first" } else { "" };
+    let look = if proof.is_some() { "; look at comparison.png first" } else { "" };
     let triangles = made.mesh.triangles.len();
     print_table(&format!("Wrote {}: plate.stl of {triangles} triangles{look}", folder.display()), &table, &notes)
 }

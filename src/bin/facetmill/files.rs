@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use facetmill::job::png;
 use tempfile::TempDir;
 
 /// What stands on the disk and must not stay if the program ends now. Global, since Ctrl-C comes from outside.
@@ -82,6 +83,19 @@ impl Staged {
     /// Writes one file of `bytes`.
     pub fn write_bytes(&mut self, name: &'static str, bytes: &[u8]) -> Result<(), OutputError> {
         self.write(name, |out| out.write_all(bytes))
+    }
+
+    /// Writes one picture.
+    pub fn write_png<P>(
+        &mut self,
+        name: &'static str,
+        image: &image::ImageBuffer<P, Vec<P::Subpixel>>,
+    ) -> Result<(), OutputError>
+    where
+        P: image::PixelWithColorType,
+        [P::Subpixel]: image::EncodableLayout,
+    {
+        self.write(name, |out| png(image, out))
     }
 
     /// Moves everything into place. Files of other names in an existing folder are left alone.

@@ -8,7 +8,6 @@ mod files;
 mod inputs;
 mod interrupt;
 mod measure;
-mod outputs;
 mod plates;
 mod snapshots;
 mod usage;

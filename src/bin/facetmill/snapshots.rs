@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use facetmill::distribution::SlopeDistribution;
 use facetmill::export::picture::{common_white, encode_png, tone_mapped};
 use facetmill::highlight::scored_target;
+use facetmill::job::pictures::as_seen;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
 use facetmill::relief::periodic::PeriodicRelief;
@@ -19,7 +20,6 @@ use serde_json::Value;
 use crate::console::Failure;
 use crate::files::OutputError;
 use crate::inputs;
-use crate::outputs::as_seen;
 
 /// The folder's name within the output folder.
 pub const FOLDER: &str = "snapshots";

@@ -1,10 +1,11 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::pictures::{ProofPictures, target_picture};
+use facetmill::job::proof::Proof;
 use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
-use facetmill::recipe::proof::Proof;
 use facetmill::slope::direction;
 use facetmill::verify::measure::{Measuring, Mirrored};
 use facetmill::verify::verdict::Verdict;
@@ -13,7 +14,6 @@ use serde_json::json;
 use crate::args::VerifyArgs;
 use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
 use crate::files::Staged;
-use crate::outputs::{write_proof, write_target};
 use crate::plates;
 
 /// Every file that a verification may write.
@@ -91,12 +91,14 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         "measured": proof.verdict.to_json(),
         "advice": advice,
     });
-    write_target(&mut staged, &proof.target, &recipe)?;
+    staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
     let footer = format!(
         "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
         size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
     );
-    write_proof(&mut staged, &proof, &recipe, setup.view(), &footer)?;
+    let pictures = ProofPictures::new(&proof, &recipe, setup.view(), &footer);
+    staged.write_png("simulated.png", &pictures.simulated)?;
+    staged.write_png("comparison.png", &pictures.comparison)?;
     staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
     staged.publish()?;
     stages.finish();

@@ -17,7 +17,6 @@ use super::args::MeasureArgs;
 use super::{Bench, Outcome};
 use crate::console::{Failure, row};
 use crate::files::Staged;
-use crate::outputs::write_png;
 
 /// The most grazing light, degrees. What a ball shows near its rim lies beyond 85.
 const GRAZING: f64 = 88.0;
@@ -85,11 +84,11 @@ pub fn measure(
     }
     let heading = format!("BRDF of {}, {}", bench.name, bench.material);
     let drawn = DRAWN.map(f64::to_radians);
-    write_png(staged, "slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
+    staged.write_png("slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
     let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };
     let lights_drawn: Vec<(f64, f64)> =
         azimuths.iter().flat_map(|phi| drawn.map(|theta| (theta, phi.to_radians()))).collect();
-    write_png(staged, "maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
+    staged.write_png("maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
 
     let worst = |share: fn(&Ledger) -> f64| swept.ledger.iter().map(share).fold(0.0, f64::max);
     let trapped = worst(|l| l.trapped);

@@ -12,7 +12,6 @@ use serde_json::{Map, Value, json};
 use super::{Bench, Outcome};
 use crate::console::{Failure, rays, row};
 use crate::files::Staged;
-use crate::outputs::write_png;
 
 struct Lit<'a> {
     bench: &'a Bench,
@@ -61,7 +60,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     let whole = &measurement.whole;
     let image = whole.share_image();
     let noise = measurement.image_noise();
-    write_png(staged, "highlight.png", &tone_mapped(&image, common_white(&image)))?;
+    staged.write_png("highlight.png", &tone_mapped(&image, common_white(&image)))?;
     staged.write("highlight.tiff", |out| write_float_tiff(&image, out))?;
     staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
 

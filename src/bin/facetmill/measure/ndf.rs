@@ -15,7 +15,6 @@ use super::args::MeasureArgs;
 use super::{Bench, Outcome};
 use crate::console::{Failure, row};
 use crate::files::Staged;
-use crate::outputs::write_png;
 
 /// Cells of the distribution of normals: along the polar angle, around the azimuth.
 const CELLS: (usize, usize) = (256, 128);
@@ -57,7 +56,7 @@ pub fn measure(
     progress.stage("writing files");
     let rim = RIM * normals.rms_slope[0].max(normals.rms_slope[1]).max(1e-6);
     let picture = slope_picture(&normals, bench.measuring.resolution, rim);
-    write_png(staged, "ndf.png", &tone_mapped(&picture, common_white(&picture)))?;
+    staged.write_png("ndf.png", &tone_mapped(&picture, common_white(&picture)))?;
     staged.write("ndf.csv", |out| {
         writeln!(out, "# distribution of normals: area of surface per steradian and per area of plate; cell means")?;
         writeln!(out, "theta,phi,density")?;

@@ -12,7 +12,6 @@ use super::args::MeasureArgs;
 use super::{Bench, Outcome};
 use crate::console::{Failure, row};
 use crate::files::Staged;
-use crate::outputs::write_png;
 
 /// Paths a pixel, unless --rays says how many in all.
 const PATHS: u64 = 256;
@@ -71,7 +70,7 @@ pub fn measure(
     let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage("writing files");
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
-    write_png(staged, "look.png", &view_page(&sight, &settings, &exposure))?;
+    staged.write_png("look.png", &view_page(&sight, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&sight.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&sight.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;

@@ -13,7 +13,6 @@ use super::args::MeasureArgs;
 use super::{Bench, Outcome};
 use crate::console::{Failure, rays, row};
 use crate::files::Staged;
-use crate::outputs::write_png;
 
 struct WallTask<'a> {
     bench: &'a Bench,
@@ -57,7 +56,7 @@ pub fn measure(
         heading: format!("WallImage by {}, {}", bench.name, bench.material),
         ..Exposure::default()
     };
-    write_png(staged, "wall.png", &wall_page(&image, &settings, &exposure))?;
+    staged.write_png("wall.png", &wall_page(&image, &settings, &exposure))?;
     staged.write("wall.tiff", |out| write_float_tiff(&image.irradiance(), out))?;
     staged.write("wall_error.tiff", |out| write_float_tiff(&image.errors(), out))?;
     let [landed, beside, nowhere] = image.shares();

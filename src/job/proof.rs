@@ -1,11 +1,11 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
-use super::run::{Design, DesignError};
-use super::{Cutter, Recipe};
+use super::design::{Design, DesignError};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
 use crate::progress::Progress;
 use crate::raster::Raster;
+use crate::recipe::{Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::periodic::PeriodicRelief;
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};

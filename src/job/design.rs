@@ -2,7 +2,6 @@
 
 use cpu_time::ProcessTime;
 
-use super::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
 use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
@@ -14,6 +13,7 @@ use crate::facets::steps::{Steps, steps};
 use crate::highlight::Highlight;
 use crate::progress::Progress;
 use crate::raster::Raster;
+use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::sculpt::bound::Unavoidable;
@@ -67,6 +67,9 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
     design_with_checkpoints(recipe, light, None, &mut |_, _| {}, progress)
 }
 
+/// Who is told of every step of a sheet: what slopes are wanted, and what has been reached.
+pub type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
+
 /// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
 /// tells `on_step` of every step that is done.
 ///
@@ -75,7 +78,7 @@ pub fn design_with_checkpoints(
     recipe: &Recipe,
     light: &Raster,
     from: Option<Checkpoint>,
-    on_step: &mut dyn FnMut(&SlopeDistribution, &Checkpoint),
+    on_step: OnStep<'_>,
     progress: &Progress,
 ) -> Result<Design, DesignError> {
     recipe.check()?;

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use serde_json::{Map, Value, json};
 
 use super::compare::FacetComparison;
+use super::design::Design;
 use super::proof::Proof;
-use super::run::Design;
-use super::{Recipe, SurfaceKind};
 use crate::distribution::SlopeDistribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
 use crate::projection::View;
+use crate::recipe::{Recipe, SurfaceKind};
 use crate::sculpt::detail::Detail;
 use crate::sculpt::stages::Sheet;
 use crate::sharpen::{SCORED_AT, Sharpening, seen};

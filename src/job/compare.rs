@@ -1,10 +1,10 @@
 //! A sheet beside the flat facets that the same recipe would make: which of the two puts more light right.
 
+use super::design::{Design, DesignError, design};
 use super::proof::{Proof, send_over_milled_facets};
-use super::run::{Design, DesignError, design};
-use super::{Recipe, SurfaceKind};
 use crate::progress::Progress;
 use crate::raster::Raster;
+use crate::recipe::{Recipe, SurfaceKind};
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::Task;
 use crate::verify::measure::{Measuring, Mirrored};

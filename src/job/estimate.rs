@@ -1,0 +1,147 @@
+//! What a design would be, from its sizes alone.
+
+use crate::export::stl::stl_bytes;
+use crate::facets::sample::Sampling;
+use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
+use crate::sculpt::milled_facets::places;
+use serde_json::{Value, json};
+
+/// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
+type Measured = &'static [(f64, f64)];
+
+const VORONOI: Measured =
+    &[(25.0, 0.01), (100.0, 0.02), (400.0, 0.04), (900.0, 0.2), (2400.0, 0.43), (1e4, 0.4), (4e4, 1.1), (1.6e5, 4.1)];
+
+/// Up to 1024 facets in one exact assignment, beyond that in windows, beyond 200 000 in fewer rounds of them.
+const TRANSPORT: Measured = &[
+    (100.0, 0.002),
+    (400.0, 0.035),
+    (900.0, 0.36),
+    (1024.0, 0.5),
+    (1025.0, 0.11),
+    (2400.0, 0.3),
+    (1e4, 1.75),
+    (4e4, 6.1),
+    (1.6e5, 31.0),
+    (2e5, 40.0),
+    (2.0001e5, 22.5),
+    (4e6, 510.0),
+];
+
+/// CPU seconds an exchange of facets tried in annealing.
+const EXCHANGE: f64 = 3.8e-8;
+
+/// CPU seconds for the pictures and the rest of the files.
+const FILES: f64 = 0.63;
+
+/// CPU seconds for scoring, a ray, and one on metal with a lobe.
+const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
+
+/// CPU seconds a place of the tool on a plate of facets, to mill it and to send light over it.
+const MILLED_PLACE: f64 = 4.5e-7;
+
+/// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
+const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
+
+/// What a design of `recipe` will be, as the object that a dry run prints; `proved` if light is to be sent over it.
+///
+/// "About" is within a third; of a sheet, triangles and bytes are exact but for its base.
+pub fn estimate(recipe: &Recipe, proved: bool) -> Value {
+    if recipe.surface() == SurfaceKind::Sheet {
+        return continuous_facts(recipe, proved);
+    }
+    let [columns, rows] = recipe.facets();
+    let facets = columns * rows;
+    let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
+    // Measured on drawings and photographs: 8.4 to 11 triangles a facet with its walls. The rest is sides and base.
+    let triangles = 19 * facets / 2 + 8 * (columns + rows);
+    let proof = proof_seconds(recipe);
+    let [width, height] = recipe.plate.size;
+    let milled =
+        recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter.diameter) + PROOF.0);
+    json!({
+        "dry_run": true,
+        "plate_mm": recipe.plate.size.map(|side| side + rim),
+        "pitch_mm": [pitch.x, pitch.y],
+        "facets": facets,
+        "stl_triangles_about": triangles,
+        "stl_bytes_about": stl_bytes(triangles),
+        "design_cpu_seconds_about": design_seconds(recipe),
+        "verify_cpu_seconds_about": if proved { proof + milled } else { 0.0 },
+        "files_cpu_seconds_about": FILES + 2e-6 * facets as f64,
+    })
+}
+
+fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
+    let sculpting = recipe.sculpting();
+    let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
+    let nodes = (sculpting.grid * sculpting.grid) as f64;
+    let triangles = 2 * columns * rows + 8 * (columns + rows);
+    let each = if sculpting.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
+    let step = sculpting.cell / sculpting.grid as f64;
+    let proof = proof_seconds(recipe);
+    let [width, height] = recipe.plate.size;
+    // The facets that it is compared with, and as milled all of it once more.
+    let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
+    let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c.diameter);
+    let beside = flat + recipe.design.cutter.map_or(0.0, milled);
+    json!({
+        "dry_run": true,
+        "plate_mm": recipe.plate.size.map(|side| side + rim),
+        "pitch_mm": [step.x, step.y],
+        "grid": sculpting.grid,
+        "cells": sculpting.cells,
+        "stl_triangles_about": triangles,
+        "stl_bytes_about": stl_bytes(triangles),
+        "design_cpu_seconds_about": 0.1 + each * nodes,
+        "verify_cpu_seconds_about": if proved { proof + beside } else { 0.0 },
+        "files_cpu_seconds_about": FILES + 2e-7 * triangles as f64,
+    })
+}
+
+fn proof_seconds(recipe: &Recipe) -> f64 {
+    let ray = if recipe.metal().is_smooth() { PROOF.1 } else { PROOF.2 };
+    PROOF.0 + ray * recipe.verify.rays as f64
+}
+
+fn design_seconds(recipe: &Recipe) -> f64 {
+    let [columns, rows] = recipe.facets();
+    let facets = (columns * rows) as f64;
+    let cells = recipe.cells().iter().product::<usize>() as f64;
+    let sampling = match recipe.sampling() {
+        Sampling::Voronoi => interpolated(VORONOI, facets),
+        Sampling::Random | Sampling::Sobol => 2e-7 * facets,
+    };
+    let annealing = recipe.annealing();
+    let arrangement = match recipe.arrangement() {
+        Arrangement::Transport => cells * interpolated(TRANSPORT, facets / cells),
+        Arrangement::Anneal => cells * EXCHANGE * (annealing.swaps as f64) * f64::from(annealing.starts),
+        Arrangement::Random => 0.0,
+    };
+    0.01 + sampling + arrangement
+}
+
+/// A power law between the measured sizes, in proportion to size beyond them.
+fn interpolated(measured: Measured, size: f64) -> f64 {
+    let (first, last) = (measured[0], measured[measured.len() - 1]);
+    if size <= first.0 || size >= last.0 {
+        let nearest = if size <= first.0 { first } else { last };
+        return nearest.1 * size / nearest.0;
+    }
+    let next = measured.partition_point(|(at, _)| *at <= size);
+    let ((x0, y0), (x1, y1)) = (measured[next - 1], measured[next]);
+    y0 * (y1 / y0).powf((size / x0).ln() / (x1 / x0).ln())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_measurements_is_a_power_law_and_beyond_them_proportion() {
+        let square: Measured = &[(1.0, 1.0), (10.0, 100.0), (20.0, 400.0)];
+        for (size, seconds) in [(1.0, 1.0), (3.0, 9.0), (10.0, 100.0), (15.0, 225.0), (40.0, 800.0), (0.5, 0.5)] {
+            assert!((interpolated(square, size) / seconds - 1.0).abs() < 1e-12, "{size}");
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The whole job as one call: from a recipe and its picture to everything that an output folder holds.
+//!
+//! [`run`] designs a plate, proves it, compares it with flat facets and takes them where they are clearly better. What
+//! comes of it, a [`Product`], tells its [report](Product::report) and hands out its [files](Product::write), in memory
+//! or into a folder. Each step can be had by itself: [`design`], [`proof`], [`compare`], [`estimate`], [`pictures`].
+
+pub mod design;
+
+pub mod proof;
+
+pub mod compare;
+
+pub mod estimate;
+
+pub mod pictures;
+
+pub mod report;
+
+mod product;
+
+pub use product::{Content, FILES, Product, png};
+
+use crate::picture::Picture;
+use crate::progress::Progress;
+use crate::recipe::Recipe;
+use crate::sculpt::checkpoint::Checkpoint;
+use compare::{beside_facets, of_facets};
+use design::{DesignError, OnStep, design, design_with_checkpoints};
+use proof::prove;
+
+/// What is to be done.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// Every setting.
+    pub recipe: &'a Recipe,
+    /// The drawing, as read.
+    pub picture: &'a Picture,
+    /// Whether light is sent over what comes of it; without that nothing is compared either.
+    pub proved: bool,
+}
+
+impl Job<'_> {
+    /// Does the work: design, proof, comparison with facets and the choice between the two.
+    ///
+    /// A sheet goes on `from` where an earlier run of the same recipe had come, and `on_step` is told of every step that
+    /// is done.
+    pub fn run(
+        &self,
+        from: Option<Checkpoint>,
+        on_step: OnStep<'_>,
+        progress: &Progress,
+    ) -> Result<Product, DesignError> {
+        let light = &self.picture.light;
+        let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
+        let recipe = self.recipe.clone();
+        if !self.proved {
+            return Ok(Product { recipe, design: made, proof: None, comparison: None });
+        }
+        let proof = prove(&recipe, light, &made, progress)?;
+        let comparison = beside_facets(&recipe, light, &made, &proof, progress);
+        let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
+        if !facets_win {
+            return Ok(Product { recipe, design: made, proof: Some(proof), comparison });
+        }
+        progress.stage("making flat facets, which are better here");
+        let recipe = of_facets(&recipe);
+        let made = design(&recipe, light, progress)?;
+        let proof = prove(&recipe, light, &made, progress)?;
+        Ok(Product { recipe, design: made, proof: Some(proof), comparison })
+    }
+}
