@@ -41,8 +41,8 @@ impl Exposure {
 }
 
 /// The camera's picture with its exposure; few pixels are shown as whole blocks.
-pub fn view_page(sight: &RenderedView, look: &ViewSettings, exposure: &Exposure) -> RgbImage {
-    let raster = exposure.turned(&sight.radiance);
+pub fn view_page(view: &RenderedView, look: &ViewSettings, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&view.radiance);
     let white = exposure.white(&raster);
     let times = 384usize.div_ceil(raster.width.max(raster.height).max(1)).max(1) as u32;
     let grey = tone_mapped(&raster, white);
@@ -239,15 +239,15 @@ mod tests {
     #[test]
     fn the_stated_white_is_what_is_shown_white() {
         let raster = Raster::from_fn(20, 10, |x, _| x as f64);
-        let sight = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let view = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
         let look = ViewSettings { size: [20, 10], ..ViewSettings::default() };
         let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
-        let page = view_page(&sight, &look, &exposure);
+        let page = view_page(&view, &look, &exposure);
         // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
         let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
         assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
         for white in [Some(0.0), Some(f64::NAN), None] {
-            let page = view_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            let page = view_page(&view, &look, &Exposure { white, ..Exposure::default() });
             assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
         }
         let black =
