@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::cutter::Cutter;
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::heights::HeightGrid;
+use crate::relief::height_grid::HeightGrid;
 
 use super::sweep::milled_heights;
 use super::tool::PLACES_ACROSS_CUTTER;
