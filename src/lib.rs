@@ -192,4 +192,6 @@ pub mod export;
 
 pub mod recipe;
 
+pub mod report;
+
 pub mod job;
