@@ -16,6 +16,7 @@ use crate::export::shading::relief_picture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::recipe::Recipe;
 
 /// Every file that a design may write.
@@ -61,11 +62,17 @@ impl Product {
     }
 
     /// Hands every file of the output folder to `keep`, by name and content.
-    pub fn write<E>(
+    pub fn write<E: From<Cancelled>>(
         &self,
         picture: &Picture,
         keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
+        progress: &Progress,
     ) -> Result<(), E> {
+        progress.stage(Stage::Files);
+        let mut keep = |name, content: Content| {
+            progress.check()?;
+            keep(name, content)
+        };
         let Self { recipe, design, .. } = self;
         let setup = &design.distribution.setup;
         keep("plate.stl", &mut |mut out| write_stl(&design.mesh, &mut out))?;

@@ -3,7 +3,7 @@
 use super::design::{Design, DesignError};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
@@ -60,17 +60,19 @@ pub struct MilledProof {
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
-    progress.stage("tracing light over the relief");
+    progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let judged = |measurement: Option<Measurement>| {
-        let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-        let measurement = measurement.ok_or_else(unlit)?;
-        progress.stage("scoring");
-        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
+        progress.check()?;
+        let measurement = measurement.ok_or(DesignError::NoLight)?;
+        progress.stage(Stage::Scoring);
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress);
+        progress.check()?;
+        let verdict = verdict.ok_or(DesignError::NoLight)?;
         Ok::<_, DesignError>((measurement, verdict))
     };
     let (measurement, verdict) = judged(match &design.sheet {
@@ -135,7 +137,7 @@ fn send_over_milled(
     if cutter.is_none() && recipe.design.polish == 0.0 {
         return Ok(None);
     }
-    mirrored.progress.stage("milling it, and tracing that");
+    mirrored.progress.stage(Stage::Milling);
     match made {
         Some(made) => {
             let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;

@@ -80,7 +80,7 @@ fn window_by_window(grid: &mut SlopeGrid, pitch: DVec2, progress: &Progress) {
     let rounds = rounds(grid.slopes.len());
     for step in 0..rounds * (coarsest + 1) {
         progress.fraction(f64::from(step) / f64::from(rounds * (coarsest + 1)));
-        if progress.is_cancelled() {
+        if progress.is_to_finish() {
             return;
         }
         let level = coarsest - step % (coarsest + 1);

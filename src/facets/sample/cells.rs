@@ -23,7 +23,7 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
     let mut scratch = Vec::with_capacity(2 * size);
     for sweep in 0..SWEEPS {
         progress.fraction(sweep as f64 / SWEEPS as f64);
-        if progress.is_cancelled() {
+        if progress.is_to_finish() {
             break;
         }
         let mut moved = 0.0f64;

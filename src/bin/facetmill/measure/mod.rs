@@ -10,7 +10,7 @@ mod wall;
 
 use facetmill::brdf::material::Material;
 use facetmill::picture::{self, Reading};
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
@@ -19,8 +19,9 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
 use serde_json::{Value, json};
 
-use crate::console::{Failure, NEVER, Stages, print_json, print_table};
+use crate::console::{Failure, Stages, print_json, print_table};
 use crate::files::Staged;
+use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::values::ExtentArg;
 use args::MeasureArgs;
@@ -78,7 +79,7 @@ struct Outcome {
 }
 
 /// Does what `args` say.
-pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
@@ -91,11 +92,11 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
+    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {
