@@ -10,8 +10,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
+use facetmill::job::Job;
 use facetmill::job::clock::on_own_threads;
-use facetmill::job::{Job, Outcome};
 use facetmill::picture::read;
 use facetmill::progress::{CancelToken, Cancelled, Event, Progress, Stage};
 use facetmill::recipe::Recipe;

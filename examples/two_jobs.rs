@@ -15,7 +15,11 @@ use facetmill::progress::{CancelToken, Event, Progress};
 use facetmill::recipe::Recipe;
 
 /// One job on one thread of its own.
-fn work(recipe: &Recipe, picture: &Picture, cancel: &CancelToken) -> Result<(Outcome, Spent), Box<dyn Error + Send + Sync>> {
+fn work(
+    recipe: &Recipe,
+    picture: &Picture,
+    cancel: &CancelToken,
+) -> Result<(Outcome, Spent), Box<dyn Error + Send + Sync>> {
     let listen = |_: Event<'_>| {};
     let progress = Progress::new(&listen, cancel);
     let job = Job { recipe, picture, proved: true };
@@ -39,7 +43,11 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let picture = read(&path, &recipe.reading())?;
 
     let (alone, spent_alone) = work(&recipe, &picture, &CancelToken::default())?;
-    println!("alone:     {:6.2} s of CPU, {:6.2} s in all", spent_alone.cpu.as_secs_f64(), spent_alone.wall.as_secs_f64());
+    println!(
+        "alone:     {:6.2} s of CPU, {:6.2} s in all",
+        spent_alone.cpu.as_secs_f64(),
+        spent_alone.wall.as_secs_f64()
+    );
 
     // A larger one beside it is abandoned on its way.
     let mut large = recipe.clone();
