@@ -106,7 +106,7 @@ impl Made {
         let (cut, left) = match recipe.design.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter.radius()).mill(relief);
+                let milled = Tool::new(relief.cell, cutter).mill(relief);
                 let left = milled.most_left();
                 (milled.relief, left)
             }
@@ -153,6 +153,6 @@ pub(super) fn send_over_milled_facets(
     cutter: Cutter,
     mirrored: Mirrored,
 ) -> (Option<Measurement>, f64) {
-    let milled = milled_facets(relief, cutter.radius());
+    let milled = milled_facets(relief, cutter);
     (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
 }
