@@ -225,7 +225,7 @@ impl<'a> Work<'a> {
                 break;
             }
             if with_tool {
-                objective.update_tool_residual(&objective.relief(&y));
+                objective.update_tool_residual(&objective.relief(&y), self.progress);
             }
             let share = share.part(look, looks);
             minimise(
@@ -257,7 +257,7 @@ impl<'a> Work<'a> {
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {
         let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.update_tool_residual(z);
+        objective.update_tool_residual(z, self.progress);
         objective.misplaced(z, COMPARED_AT)
     }
 
@@ -276,8 +276,8 @@ impl<'a> Work<'a> {
                 if self.progress.is_abandoned() {
                     break;
                 }
-                tool.fill(&mut relief, CLEARANCE);
-                if !finer.fill(&mut relief, CLEARANCE) {
+                tool.fill(&mut relief, CLEARANCE, self.progress);
+                if !finer.fill(&mut relief, CLEARANCE, self.progress) {
                     break;
                 }
             }
