@@ -3,6 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use facetmill::cutter::Cutter;
+use facetmill::progress::Progress;
 use facetmill::sculpt::closing::Closing;
 use facetmill::sculpt::concave_edges::ConcaveEdges;
 use facetmill::sculpt::edge_slopes::{EdgeSlopes, Lattice};
@@ -32,7 +34,7 @@ fn heights(lattice: Lattice) -> Vec<f32> {
 
 fn kernels(criterion: &mut Criterion) {
     let lattice = Lattice { n: NODES, step: DVec2::splat(10.0 / NODES as f64) };
-    let radius = 0.25;
+    let cutter = Cutter::ball(0.5);
     let z = heights(lattice);
     let per_slope = DMat2::from_diagonal(DVec2::splat(-115.0 / 0.125));
     let target = SlopeTarget {
@@ -46,7 +48,7 @@ fn kernels(criterion: &mut Criterion) {
     let potential: Vec<f32> = (0..SIDE * SIDE).map(|k| ((k % SIDE) as f32 * 0.1).sin()).collect();
     let edges = EdgeSlopes::new(lattice, &z);
     let plain = LightModel::new(lattice, bins, 0.0, None);
-    let cut = LightModel::new(lattice, bins, 0.125, Some(ConcaveEdges::new(lattice, radius, 0.1)));
+    let cut = LightModel::new(lattice, bins, 0.125, Some(ConcaveEdges::new(lattice, cutter, 0.1)));
     criterion.bench_function("edges", |b| b.iter(|| EdgeSlopes::new(lattice, black_box(&z))));
     for (name, light) in [("triangles", &plain), ("triangles and fillets", &cut)] {
         criterion.bench_function(&format!("splat {name}"), |b| b.iter(|| light.forward(black_box(&edges))));
@@ -54,7 +56,7 @@ fn kernels(criterion: &mut Criterion) {
             b.iter(|| light.adjoint(black_box(&edges), &potential, 1.0))
         });
     }
-    let closing = Closing::new(NODES, lattice.step, radius);
+    let closing = Closing::new(lattice, cutter);
     criterion.bench_function("hulls", |b| b.iter(|| closing.close(&mut z.clone())));
     let contacts = closing.close(&mut z.clone());
     criterion.bench_function("adjoint of hulls", |b| b.iter(|| contacts.adjoint(&mut z.clone())));
@@ -65,9 +67,11 @@ fn kernels(criterion: &mut Criterion) {
         criterion
             .bench_function(&format!("filter {side}"), |b| b.iter(|| waves.filter(&mut grid.clone(), side, &gains)));
     }
-    let tool = Tool::new(lattice.cell(), radius);
+    let tool = Tool::new(lattice.cell(), cutter);
     let written = relief(lattice, &z, Slope::FLAT);
-    criterion.bench_function("milling on 1000 x 1000 places", |b| b.iter(|| tool.mill(black_box(&written))));
+    criterion.bench_function("milling on 1000 x 1000 places", |b| {
+        b.iter(|| tool.mill(black_box(&written), &Progress::silent()))
+    });
 }
 
 criterion_group!(benches, kernels);

@@ -82,6 +82,11 @@ pub fn smooth_size(n: usize) -> usize {
     (n.max(1)..).find(|&m| [2, 3, 5].into_iter().fold(m, divided) == 1).unwrap_or(n)
 }
 
+/// The next even number from `n` up with no prime factor above 5.
+pub fn even_smooth_size(n: usize) -> usize {
+    2 * smooth_size(n.div_ceil(2))
+}
+
 /// Transforms of all lines of a grid. Forward and inverse together multiply by the length.
 struct Line {
     length: usize,
@@ -191,6 +196,7 @@ mod tests {
     #[test]
     fn sizes_are_smooth() {
         assert_eq!([0, 1, 7, 11, 97, 121, 301].map(smooth_size), [1, 1, 8, 12, 100, 125, 320]);
+        assert_eq!([1, 31, 97, 148, 257, 400].map(even_smooth_size), [2, 32, 100, 150, 270, 400]);
     }
 
     #[test]

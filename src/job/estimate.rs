@@ -57,8 +57,7 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> Value {
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
-    let milled =
-        recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter.diameter) + PROOF.0);
+    let milled = recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
     json!({
         "dry_run": true,
         "plate_mm": recipe.plate.size.map(|side| side + rim),
@@ -83,7 +82,7 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
     let [width, height] = recipe.plate.size;
     // The facets that it is compared with, and as milled all of it once more.
     let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
-    let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c.diameter);
+    let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c);
     let beside = flat + recipe.design.cutter.map_or(0.0, milled);
     json!({
         "dry_run": true,

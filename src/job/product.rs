@@ -71,7 +71,10 @@ impl Product {
         progress.stage(Stage::Files);
         let mut keep = |name, content: Content| {
             progress.check()?;
-            keep(name, content)
+            let kept = keep(name, &mut |out| content(&mut Stoppable { out, progress }));
+            // What was cut short is no fault of the writer's.
+            progress.check()?;
+            kept
         };
         let Self { recipe, design, .. } = self;
         let setup = &design.distribution.setup;
@@ -124,6 +127,23 @@ impl Product {
             light.phi,
             highlight.half_field
         )
+    }
+}
+
+/// A writer that fails once the work is abandoned.
+struct Stoppable<'a> {
+    out: &'a mut dyn Write,
+    progress: &'a Progress<'a>,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.progress.check().map_err(io::Error::other)?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::design::{Design, DesignError};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
-use crate::progress::{Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
@@ -80,8 +80,12 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         // The triangles themselves, as they stand in the file.
         Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
     })?;
-    let made = design.sheet.as_ref().map(|sheet| Made::of(recipe, sheet));
-    let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
+    let made = design.sheet.as_ref().map(|sheet| Made::of(recipe, sheet, progress));
+    progress.check()?;
+    let sheet = match &made {
+        Some(made) => made.looked_at(recipe, &target, setup, progress)?,
+        None => None,
+    };
     let milled = match send_over_milled(recipe, design, made.as_ref(), mirrored)? {
         None => None,
         Some((measurement, left)) => {
@@ -101,12 +105,12 @@ struct Made {
 }
 
 impl Made {
-    fn of(recipe: &Recipe, sheet: &Sheet) -> Self {
+    fn of(recipe: &Recipe, sheet: &Sheet, progress: &Progress) -> Self {
         let relief = &sheet.relief;
         let (cut, left) = match recipe.design.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter.radius()).mill(relief);
+                let milled = Tool::new(relief.cell, cutter).mill(relief, progress);
                 let left = milled.most_left();
                 (milled.relief, left)
             }
@@ -114,15 +118,23 @@ impl Made {
         Self { relief: polished(cut, recipe.design.polish), left }
     }
 
-    fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
+    fn looked_at(
+        &self,
+        recipe: &Recipe,
+        target: &Raster,
+        setup: &Setup,
+        progress: &Progress,
+    ) -> Result<Option<SheetProof>, Cancelled> {
         // Windows lie anywhere on a plate of many cells.
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
-        let changed = change(&self.relief, setup);
+        let change = change(&self.relief, setup);
+        let changed = |heights: &[f32]| if progress.is_abandoned() { 1.0 } else { change(heights) };
         let detail = smallest_detail(&self.relief, &changed);
         let diffracted = diffracted(&self.relief, 1.0, &changed);
+        progress.check()?;
         let blur = recipe.blur(setup);
-        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed)?;
-        Some(SheetProof { windows, detail, diffracted })
+        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed);
+        Ok(windows.map(|windows| SheetProof { windows, detail, diffracted }))
     }
 }
 
@@ -153,6 +165,9 @@ pub(super) fn send_over_milled_facets(
     cutter: Cutter,
     mirrored: Mirrored,
 ) -> (Option<Measurement>, f64) {
-    let milled = milled_facets(relief, cutter.radius());
+    let milled = milled_facets(relief, cutter, mirrored.progress);
+    if mirrored.progress.is_abandoned() {
+        return (None, milled.most_left);
+    }
     (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
 }

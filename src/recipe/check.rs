@@ -1,6 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::{Recipe, SurfaceKind};
+use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::least_diameter;
 
 /// Facets on one plate at the most.
@@ -33,7 +34,7 @@ impl Recipe {
         within("cells", plate.cells.unwrap_or(1) as f64, 1.0, MOST_FACETS as f64)?;
         within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
         within("max-triangles", self.most_triangles() as f64, 1000.0, 2e8)?;
-        within("for-cutter", self.design.cutter.map_or(1.0, |c| c.diameter), 1e-3, 100.0)?;
+        within("for-cutter", self.design.cutter.map_or(1.0, Cutter::diameter), 1e-3, 100.0)?;
         within("polish", self.design.polish, 0.0, 100.0)?;
         within("min-feature", self.design.min_feature, 0.0, 100.0)?;
         within("max-depth", self.design.max_depth.unwrap_or(1.0), 1e-4, 1000.0)?;
@@ -68,8 +69,8 @@ impl Recipe {
         }
         // Rounded up, so that what the message names will do.
         let least = (1e3 * least_diameter(plate.size[0] * plate.size[1])).ceil() / 1e3;
-        match self.design.cutter.filter(|cutter| cutter.diameter < least) {
-            Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter, least }),
+        match self.design.cutter.filter(|cutter| cutter.diameter() < least) {
+            Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter(), least }),
             None => Ok(()),
         }
     }
@@ -89,8 +90,9 @@ impl Recipe {
             let most = (self.most_triangles() as f64 / (2.0 * cells)).sqrt();
             return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
         }
-        if let Some(cutter) = self.design.cutter.filter(|c| c.diameter > cell.min_element()) {
-            return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter, cell: cell.min_element() });
+        self.design.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
+        if let Some(cutter) = self.design.cutter.filter(|c| c.diameter() > cell.min_element()) {
+            return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter(), cell: cell.min_element() });
         }
         let (polish, cell) = (self.design.polish, cell.min_element());
         if polish >= 0.25 * cell {
@@ -197,6 +199,9 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
+    /// A cutter that sheets cannot be designed for.
+    #[error(transparent)]
+    UnmodelledCutter(#[from] UnmodelledCutter),
     /// A ball too small to follow over a plate of facets.
     #[error(
         "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
@@ -241,7 +246,6 @@ impl RecipeError {
 mod tests {
     use super::*;
     use crate::facets::arrange::anneal::Annealing;
-    use crate::recipe::Cutter;
 
     #[test]
     fn a_recipe_survives_toml_and_typos_do_not() {
@@ -293,13 +297,13 @@ mod tests {
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(flat(|r| r.plate.facets = Some([3000, 3000])).is_impossible());
         assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
-        let error = flat(|r| r.design.cutter = Some(Cutter { diameter: 0.07 }));
+        let error = flat(|r| r.design.cutter = Some(Cutter::ball(0.07)));
         assert!(error.to_string().contains("0.075 mm or more"), "{error}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
         assert_eq!(named(refused(|r| r.design.polish = f64::NAN)), "polish");
         assert_eq!(named(refused(|r| r.design.max_depth = Some(0.0))), "max-depth");
-        assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter { diameter: f64::NAN }))), "for-cutter");
+        assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter::ball(f64::NAN)))), "for-cutter");
         let continuous = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
             recipe.plate.surface = Some(SurfaceKind::Sheet);
@@ -314,7 +318,7 @@ mod tests {
         assert!(matches!(error, RecipeError::LongCells { .. }));
         let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
         assert!(many.contains("fewer --cells"), "{many}");
-        assert!(continuous(|r| r.design.cutter = Some(Cutter { diameter: 20.0 })).is_impossible());
+        assert!(continuous(|r| r.design.cutter = Some(Cutter::ball(20.0))).is_impossible());
         assert!(continuous(|r| r.design.polish = 2.5).is_impossible());
     }
 }

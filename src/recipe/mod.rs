@@ -314,7 +314,7 @@ impl Recipe {
         let PlateSettings { size, grid, .. } = self.plate;
         let cells = self.cells();
         let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
-        let cutter = self.design.cutter.map(Cutter::radius);
+        let cutter = self.design.cutter;
         let grid = grid.unwrap_or_else(|| suitable_grid(cell, cells, cutter, self.most_triangles()));
         let DesignSettings { polish, min_feature, max_depth, seed, .. } = self.design;
         SheetSettings { cell, cells, grid, cutter, polish, min_feature, max_depth, seed }

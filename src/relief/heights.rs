@@ -50,7 +50,13 @@ impl HeightGrid {
 /// which a ball cutter fills.
 pub fn rises(corners: [f64; 4]) -> bool {
     let [z00, z10, z01, z11] = corners;
-    z00 + z11 > z10 + z01
+    top_rises_more(z10 - z00, z11 - z01)
+}
+
+/// The same rule told from how much, or how steeply, a square rises along its bottom and along its top.
+#[inline]
+pub fn top_rises_more<T: PartialOrd>(bottom: T, top: T) -> bool {
+    top > bottom
 }
 
 #[cfg(test)]

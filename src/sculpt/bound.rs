@@ -28,6 +28,8 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::cutter::Cutter;
+
 /// Directions looked along, cells along x and y to one period: the two axes, the two diagonals, and what lies between.
 const DIRECTIONS: [[i32; 2]; 8] = [[1, 0], [0, 1], [1, 1], [1, -1], [2, 1], [2, -1], [1, 2], [1, -2]];
 
@@ -45,12 +47,12 @@ pub struct Unavoidable {
     pub gap: [f64; 2],
 }
 
-/// The most that can be said of the light that strays on every periodic relief cut by a ball of `radius` mm.
+/// The most that can be said of the light that strays on every periodic relief that the tip of `cutter` can follow.
 ///
 /// `slopes` are the wanted ones relative to their mean, equal shares each, as of
 /// [`SlopePlane::samples`](super::target::SlopePlane::samples); `cell` is the size of a cell, mm. Gaps between
 /// neighbouring samples pass for gaps of the drawing: with 65 536 of them that is an error of some 10⁻⁵.
-pub fn unavoidable(slopes: &[DVec2], cell: DVec2, radius: f64) -> Unavoidable {
+pub fn unavoidable(slopes: &[DVec2], cell: DVec2, cutter: Cutter) -> Unavoidable {
     let nothing = Unavoidable { share: 0.0, along: DIRECTIONS[0], gap: [0.0; 2] };
     let bounds: Vec<Unavoidable> = DIRECTIONS
         .into_par_iter()
@@ -58,7 +60,7 @@ pub fn unavoidable(slopes: &[DVec2], cell: DVec2, radius: f64) -> Unavoidable {
             let period = cell * DVec2::new(f64::from(along[0]), f64::from(along[1]));
             let length = period.length();
             let components: Vec<f64> = slopes.iter().map(|s| s.dot(period) / length).collect();
-            let (share, gap) = along_lines(components, radius / length);
+            let (share, gap) = along_lines(components, cutter.valley_radius() / length);
             Unavoidable { share, along, gap }
         })
         .collect();
@@ -121,6 +123,7 @@ mod tests {
     use super::*;
 
     const CELL: DVec2 = DVec2::new(10.0, 8.0);
+    const BALL: Cutter = Cutter::Ball { diameter: 1.0 };
 
     /// Slopes of a picture of `side`² pixels that cover ±`steepest`, about their mean.
     fn picture(side: usize, steepest: f64, lit: impl Fn(f64, f64) -> bool) -> Vec<DVec2> {
@@ -139,13 +142,13 @@ mod tests {
     fn two_points_cost_the_climb_between_them() {
         let s = 0.1;
         for (point, along, length) in [(DVec2::X, [1, 0], 10.0), (DVec2::Y, [0, 1], 8.0)] {
-            let bound = unavoidable(&[s * point, -s * point], CELL, 0.5);
+            let bound = unavoidable(&[s * point, -s * point], CELL, BALL);
             assert!((bound.share - 2.0 * s * 0.5 / length).abs() < 1e-15, "{bound:?}");
             assert_eq!((bound.along, bound.gap), (along, [-s, s]));
         }
         // Across the axes of the cell a diagonal shows it best, if its period is not too long.
         let across = DVec2::new(1.0, -1.0) / f64::sqrt(2.0);
-        let bound = unavoidable(&[s * across, -s * across], DVec2::ONE, 0.1);
+        let bound = unavoidable(&[s * across, -s * across], DVec2::ONE, Cutter::ball(0.2));
         let [axis, diagonal] = [2.0 * s * 0.1 / f64::sqrt(2.0); 2];
         assert!((bound.share - axis.max(diagonal)).abs() < 1e-12, "{bound:?}");
     }
@@ -171,7 +174,8 @@ mod tests {
             .map(|(low, high)| line(low, high, climb));
         for a in &kinds {
             for b in &kinds {
-                let bound = unavoidable(&[a.as_slice(), b.as_slice()].concat(), DVec2::splat(10.0), 10.0 * climb);
+                let bound =
+                    unavoidable(&[a.as_slice(), b.as_slice()].concat(), DVec2::splat(10.0), Cutter::ball(20.0 * climb));
                 assert!(bound.share < 5e-5, "{bound:?}");
             }
         }
@@ -185,10 +189,10 @@ mod tests {
         let l = picture(256, 0.17, |u, v| u.abs().max(v.abs()) < 0.8 && (u < -0.4 || v < -0.4));
         for slopes in [square, disc, ring, l] {
             // A pixel's width is a gap too, as far as samples tell.
-            assert!(unavoidable(&slopes, CELL, 0.1).share < 2e-5);
+            assert!(unavoidable(&slopes, CELL, Cutter::ball(0.2)).share < 2e-5);
         }
-        assert_eq!(unavoidable(&[], CELL, 0.5).share, 0.0);
-        assert_eq!(unavoidable(&[DVec2::ZERO; 9], CELL, 0.5).share, 0.0);
+        assert_eq!(unavoidable(&[], CELL, BALL).share, 0.0);
+        assert_eq!(unavoidable(&[DVec2::ZERO; 9], CELL, BALL).share, 0.0);
     }
 
     #[test]
@@ -196,7 +200,7 @@ mod tests {
         let discs = picture(256, 0.17, |u, v| (u.abs() - 0.6).hypot(v) < 0.3);
         let mut last = 0.0;
         for radius in [0.1, 0.3, 0.5, 1.0, 3.0, 10.0] {
-            let bound = unavoidable(&discs, CELL, radius);
+            let bound = unavoidable(&discs, CELL, Cutter::ball(2.0 * radius));
             assert!(bound.share > last && bound.share <= 0.5, "{radius}: {bound:?}");
             assert_eq!(bound.along, [1, 0]);
             // The gap is 0.102 wide; the edges of the discs are so dim that it pays to count a little of them.

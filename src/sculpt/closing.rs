@@ -9,6 +9,10 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use crate::cutter::Cutter;
+
+use super::edge_slopes::Lattice;
+
 /// Directions of the hull passes, grid steps. One of each pair is ±1 along an axis, so that lines of `n` nodes cover
 /// the grid once.
 const DIRECTIONS: [(usize, isize); 8] = [(1, 0), (0, 1), (1, 1), (1, -1), (1, 2), (1, -2), (2, 1), (2, -1)];
@@ -53,10 +57,11 @@ impl Contacts {
 }
 
 impl Closing {
-    /// For grids of `n` × `n` nodes, `step` mm apart along x and y, and a ball of `radius` mm.
-    pub fn new(n: usize, step: DVec2, radius: f64) -> Self {
+    /// For heights on `lattice` and the paraboloid of `cutter`'s tip.
+    pub fn new(Lattice { n, step }: Lattice, cutter: Cutter) -> Self {
+        let twice_radius = 2.0 * cutter.valley_radius();
         let sag =
-            DIRECTIONS.map(|(x, y)| ((step * DVec2::new(x as f64, y as f64)).length_squared() / (2.0 * radius)) as f32);
+            DIRECTIONS.map(|(x, y)| ((step * DVec2::new(x as f64, y as f64)).length_squared() / twice_radius) as f32);
         Self { n, sag }
     }
 
@@ -214,7 +219,7 @@ mod tests {
     }
 
     fn closing(n: usize, radius: f64) -> Closing {
-        Closing::new(n, DVec2::splat(1.0 / n as f64), radius)
+        Closing::new(Lattice { n, step: DVec2::splat(1.0 / n as f64) }, Cutter::ball(2.0 * radius))
     }
 
     #[test]

@@ -9,6 +9,8 @@
 //! it, so the way from one to the other runs along an axis of the slope plane. Ends less than a bin apart are as good as
 //! one place: such fillets move no light.
 
+use crate::cutter::Cutter;
+
 use super::edge_slopes::{EdgeRow, EdgeRowSums, Lattice};
 use super::slope_histogram::{Place, SlopeHistogram};
 
@@ -52,9 +54,10 @@ impl ConcaveEdge {
 }
 
 impl ConcaveEdges {
-    /// For a ball of `radius` mm, which shall meet no edge sharper than `most`.
-    pub fn new(lattice: Lattice, radius: f64, most: f64) -> Self {
-        let share = (radius / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
+    /// For the tip of `cutter`, which shall meet no edge sharper than `most`.
+    pub fn new(lattice: Lattice, cutter: Cutter, most: f64) -> Self {
+        let share =
+            (cutter.valley_radius() / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
         Self { share, most: most as f32 }
     }
 
@@ -178,7 +181,7 @@ mod tests {
         let per_slope = DMat2::from_angle(0.3) * (0.45 * 128.0);
         let target = SlopeTarget { side: 128, bin: 1.0, wanted: vec![], per_slope, middle: DVec2::splat(63.5) };
         let bins = SlopeHistogram::new(&target);
-        let concave = ConcaveEdges::new(lattice, radius, 10.0);
+        let concave = ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 10.0);
         let edges = EdgeSlopes::new(lattice, &z);
         let light = LightModel::new(lattice, bins, 0.0, Some(concave)).forward(&edges);
         let share_near = |p: f64| {

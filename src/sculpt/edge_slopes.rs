@@ -13,6 +13,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::fourier::frequency;
+use crate::relief::heights::top_rises_more;
+use crate::relief::periodic::PeriodicRelief;
 
 /// Pieces of the grid that are worked on side by side and summed in order: the same for any number of threads.
 pub const BANDS: usize = 4;
@@ -27,6 +29,11 @@ pub struct Lattice {
 }
 
 impl Lattice {
+    /// The grid of one cell of `relief`.
+    pub fn of(relief: &PeriodicRelief) -> Self {
+        Self { n: relief.nodes, step: relief.step() }
+    }
+
     /// Size of the cell, mm.
     pub fn cell(&self) -> DVec2 {
         self.step * self.n as f64
@@ -68,7 +75,7 @@ impl SquareEdges {
     /// Whether the square is cut from its lower left to its upper right corner.
     #[inline]
     pub fn rises(self) -> bool {
-        self.top > self.bottom
+        top_rises_more(self.bottom, self.top)
     }
 }
 

@@ -8,10 +8,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::cutter::Cutter;
+use crate::progress::Progress;
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::heights::HeightGrid;
 
-use super::tool::{PLACES_ACROSS_CUTTER, swept_across_rows, swept_along_rows};
+use super::sweep::milled_heights;
+use super::tool::PLACES_ACROSS_CUTTER;
 
 /// Places of the tool over the optical area at the most; more would take gigabytes.
 const MOST: f64 = 1.6e7;
@@ -28,49 +31,48 @@ pub struct MilledFacets {
     pub most_left: f64,
 }
 
-/// About how many places the tool has over a plate of `area` mm², by the diameter of its ball in mm.
-pub fn places(area: f64, diameter: f64) -> f64 {
-    (area * (PLACES_ACROSS_CUTTER / diameter).powi(2)).min(MOST)
+/// About how many places `cutter` has over a plate of `area` mm².
+pub fn places(area: f64, cutter: Cutter) -> f64 {
+    (area * (PLACES_ACROSS_CUTTER / cutter.diameter()).powi(2)).min(MOST)
 }
 
-/// The smallest ball whose fillets can be followed over a plate of `area` mm², by its diameter in mm.
+/// The smallest cutter whose fillets can be followed over a plate of `area` mm²: its diameter, mm.
 pub fn least_diameter(area: f64) -> f64 {
     LEAST_ACROSS_CUTTER * (area / MOST).sqrt()
 }
 
-/// The optical area of `relief` after a ball of `radius` mm that was led over the whole plate.
-pub fn milled_facets(relief: &FacetedRelief, radius: f64) -> MilledFacets {
+/// The optical area of `relief` after `cutter` was led over the whole plate; abandoned, what nobody should use.
+pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress) -> MilledFacets {
     let (columns, rows) = &relief.optical;
     let (low, high) = relief.optical_area();
     // A whole number of places a facet, so that edges lie on places.
     let facets = [columns.len(), rows.len()].map(|n| n as f64);
-    let wanted = 2.0 * radius / PLACES_ACROSS_CUTTER;
+    let wanted = cutter.diameter() / PLACES_ACROSS_CUTTER;
     let pitch = [(high.x - low.x) / facets[0], (high.y - low.y) / facets[1]];
     let each = pitch.map(|pitch| (pitch / wanted).ceil());
     let many = facets[0] * each[0] * facets[1] * each[1];
     let each = if many <= MOST { each } else { each.map(|n| (n * (MOST / many).sqrt()).floor().max(1.0)) };
-    let x = Axis::new(&relief.x, low.x, pitch[0] / each[0], (facets[0] * each[0]) as usize, radius);
-    let y = Axis::new(&relief.y, low.y, pitch[1] / each[1], (facets[1] * each[1]) as usize, radius);
+    let x = Axis::new(&relief.x, low.x, pitch[0] / each[0], (facets[0] * each[0]) as usize, cutter);
+    let y = Axis::new(&relief.y, low.y, pitch[1] / each[1], (facets[1] * each[1]) as usize, cutter);
 
     let width = x.pieces.len();
     let mut z = vec![f32::NEG_INFINITY; width * y.pieces.len()];
     z.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, row)| {
+        if progress.is_abandoned() {
+            return;
+        }
         for (i, z) in row.iter_mut().enumerate() {
             *z = highest(relief, &x, &y, i, j) as f32;
         }
     });
     let written = x.inner(&y, &z);
-    for sign in [1.0, -1.0] {
-        z = swept_along_rows(&z, width, &x.ball, sign);
-        z = swept_across_rows(&z, width, &y.ball, sign);
-    }
-    let cut = x.inner(&y, &z);
+    let cut = x.inner(&y, &milled_heights(&z, width, &x.profile, &y.profile, progress));
     let most_left = cut.iter().zip(&written).map(|(a, b)| a - b).fold(0.0, f32::max).into();
     let heights = cut.into_iter().map(f64::from).collect();
     MilledFacets { surface: HeightGrid::new(x.lines(), y.lines(), heights), most_left }
 }
 
-/// Places along one side of the plate: over the optical area, and twice the ball's reach beyond it.
+/// Places along one side of the plate: over the optical area, and twice the cutter's reach beyond it.
 struct Axis {
     low: f64,
     step: f64,
@@ -80,18 +82,14 @@ struct Axis {
     margin: usize,
     /// The cells of the relief's grid that each place touches: none beyond the plate, two on a line.
     pieces: Vec<Range<usize>>,
-    /// Steps aside, and how far the ball lies below its tip there, less than nothing.
-    ball: Vec<(isize, f32)>,
+    /// The cutter's profile in steps of the places.
+    profile: Vec<(isize, f32)>,
 }
 
 impl Axis {
-    fn new(lines: &[f64], low: f64, step: f64, intervals: usize, radius: f64) -> Self {
-        let reach = (radius / step * (1.0 + 1e-12)) as isize;
-        let drop = |aside: isize| {
-            let x = aside as f64 * step;
-            radius - (radius * radius - x * x).max(0.0).sqrt()
-        };
-        let ball = (-reach..=reach).map(|aside| (aside, -drop(aside) as f32)).collect();
+    fn new(lines: &[f64], low: f64, step: f64, intervals: usize, cutter: Cutter) -> Self {
+        let reach = (cutter.reach() / step * (1.0 + 1e-12)) as isize;
+        let profile = (-reach..=reach).map(|aside| (aside, -cutter.underside(aside as f64 * step) as f32)).collect();
         let margin = 2 * reach as usize;
         let touched = |k: usize| {
             let (at, slack) = (low + (k as f64 - margin as f64) * step, 1e-6 * step);
@@ -101,7 +99,7 @@ impl Axis {
             from..to
         };
         let pieces = (0..=intervals + 2 * margin).map(touched).collect();
-        Self { low, step, intervals, margin, pieces, ball }
+        Self { low, step, intervals, margin, pieces, profile }
     }
 
     /// Grid lines over the optical area, mm.
@@ -133,6 +131,7 @@ mod tests {
     use crate::slope::Slope;
 
     const RADIUS: f64 = 0.25;
+    const BALL: Cutter = Cutter::Ball { diameter: 2.0 * RADIUS };
 
     /// Two facets side by side of 1 × 2 mm, planes through the heights `middle` mm at x = 1.
     fn pair(middle: [f64; 2], rises: [f64; 2]) -> FacetedRelief {
@@ -156,7 +155,7 @@ mod tests {
     #[test]
     fn a_step_ends_in_the_balls_arc() {
         // 0.25² = 0.2² + 0.15²: the ball on the floor touches the edge of a step of 0.05 mm at 0.15 mm.
-        let plate = milled_facets(&pair([0.05, 0.0], [0.0, 0.0]), RADIUS);
+        let plate = milled_facets(&pair([0.05, 0.0], [0.0, 0.0]), BALL, &Progress::silent());
         assert_profile(&plate, |x| match x - 1.0 {
             d if d < 1e-9 => 0.05,
             d if d < 0.15 => RADIUS - (RADIUS * RADIUS - (0.15 - d) * (0.15 - d)).sqrt(),
@@ -168,7 +167,7 @@ mod tests {
     fn a_groove_gets_its_fillet() {
         // Sine 0.28, cosine 0.96: the fillet reaches R sin α = 0.07 mm to either side.
         let rise = 0.28 / 0.96;
-        let plate = milled_facets(&pair([0.0, 0.0], [-rise, rise]), RADIUS);
+        let plate = milled_facets(&pair([0.0, 0.0], [-rise, rise]), BALL, &Progress::silent());
         assert_profile(&plate, |x| match (x - 1.0).abs() {
             d if d < 0.07 => RADIUS / 0.96 - (RADIUS * RADIUS - d * d).sqrt(),
             d => rise * d,
@@ -180,13 +179,13 @@ mod tests {
     fn the_plate_ends_at_its_rim() {
         // A ramp that began anew beyond the rim would have a fillet at its foot.
         let ramp = pair([0.0, 0.0], [0.3, 0.3]);
-        let bare = milled_facets(&ramp, RADIUS);
+        let bare = milled_facets(&ramp, BALL, &Progress::silent());
         assert!(bare.most_left < 1e-6);
         // A border level with the foot: half the turn of slope lies in the ramp. tan(α/2) = 0.2, and the ball that
         // touches both stands 0.05 mm before the foot.
         let rise = 0.4 / (1.0 - 0.04);
         let bordered = pair([0.0, 0.0], [rise, rise]).with_rim(1.0);
-        let cut = milled_facets(&bordered, RADIUS);
+        let cut = milled_facets(&bordered, BALL, &Progress::silent());
         assert_eq!(cut.surface.x, bare.surface.x);
         let at_foot = RADIUS - (RADIUS * RADIUS - 0.05 * 0.05).sqrt();
         assert!((cut.most_left - at_foot).abs() < 1e-6, "{} {at_foot}", cut.most_left);
@@ -197,7 +196,7 @@ mod tests {
     fn a_small_ball_on_a_large_plate_has_fewer_places() {
         let facets = vec![Facet { height: 0.0, slope: Slope::FLAT }; 12];
         let plate = FacetedRelief::uniform(4, 3, DVec2::new(400.0, 300.0), facets);
-        let coarse = milled_facets(&plate, 0.1).surface;
+        let coarse = milled_facets(&plate, Cutter::ball(0.2), &Progress::silent()).surface;
         assert_eq!(((coarse.x.len() - 1) % 4, (coarse.y.len() - 1) % 3), (0, 0));
         let places = (coarse.x.len() * coarse.y.len()) as f64;
         assert!((0.9..1.01).contains(&(places / MOST)), "{places}");

@@ -18,6 +18,8 @@ pub mod closing;
 
 pub mod resample;
 
+pub mod sweep;
+
 pub mod tool;
 
 pub mod milled_facets;

@@ -11,7 +11,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::fourier::frequency;
+use crate::cutter::Cutter;
+use crate::fourier::{even_smooth_size, frequency};
+use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
@@ -19,7 +21,7 @@ use super::closing::{Closing, Contacts};
 use super::concave_edges::ConcaveEdges;
 use super::edge_slopes::{EdgeSlopes, Lattice};
 use super::light_model::LightModel;
-use super::periodic_filter::{PeriodicFilter, fast_side};
+use super::periodic_filter::PeriodicFilter;
 use super::slope_histogram::SlopeHistogram;
 use super::target::SlopeTarget;
 use super::tool::{Tool, polished};
@@ -55,8 +57,8 @@ impl LossScale {
 /// What happens to the written relief before light falls on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ManufacturingModel {
-    /// Radius of the ball that cuts it, mm.
-    pub cutter: Option<f64>,
+    /// The cutter.
+    pub cutter: Option<Cutter>,
     /// Polish or paint: heights are smoothed by a Gaussian of this standard deviation, mm.
     pub polish: f64,
     /// Waves shorter than about this are damped in the design, mm.
@@ -92,15 +94,15 @@ impl Objective {
     pub fn new(lattice: Lattice, target: SlopeTarget, scale: LossScale, manufacturing: ManufacturingModel) -> Self {
         let heights = PeriodicFilter::new(lattice.n);
         let conditioner = heights.gains(|i, j| conditioner(lattice, i, j, manufacturing.finest));
-        let polish = (manufacturing.polish > 0.0).then(|| heights.polish(lattice, manufacturing.polish));
-        let plane = PeriodicFilter::new(fast_side(target.side + (ROOM / target.bin).ceil() as usize));
+        let polish = (manufacturing.polish > 0.0).then(|| heights.gaussian(lattice, manufacturing.polish));
+        let plane = PeriodicFilter::new(even_smooth_size(target.side + (ROOM / target.bin).ceil() as usize));
         let gains = loss_gains(&plane, target.bin, scale);
         let dark_weight = scale.weighed.then(|| weight(&plane, &target));
         let concave =
-            manufacturing.cutter.map(|radius| ConcaveEdges::new(lattice, radius, sharpest_fold(lattice, radius)));
-        let crossed = manufacturing.cutter.filter(|_| scale.is_fine()).map_or(0.0, |radius| crossed(lattice, radius));
+            manufacturing.cutter.map(|cutter| ConcaveEdges::new(lattice, cutter, sharpest_fold(lattice, cutter)));
+        let crossed = manufacturing.cutter.filter(|_| scale.is_fine()).map_or(0.0, |cutter| crossed(lattice, cutter));
         let light = LightModel::new(lattice, SlopeHistogram::new(&target), crossed, concave);
-        let closing = manufacturing.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
+        let closing = manufacturing.cutter.map(|cutter| Closing::new(lattice, cutter));
         Self {
             lattice,
             manufacturing,
@@ -153,11 +155,11 @@ impl Objective {
 
     /// Takes account of what the tool really makes of heights `z`: the light of its work less that of the model is
     /// added to all light from now on.
-    pub fn update_tool_residual(&mut self, z: &[f32]) {
-        let Some(radius) = self.manufacturing.cutter else { return };
+    pub fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
+        let Some(cutter) = self.manufacturing.cutter else { return };
         let cell = self.lattice.cell();
         let relief = relief(self.lattice, z, self.manufacturing.tilt);
-        let made = polished(Tool::new(cell, radius).mill(&relief).relief, self.manufacturing.polish);
+        let made = polished(Tool::new(cell, cutter).mill(&relief, progress).relief, self.manufacturing.polish);
         let fine = Lattice { n: made.nodes, step: made.step() };
         // Whoever looks at the tool's grid may cut its squares either way.
         let really = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None)
@@ -270,16 +272,17 @@ pub const CLEARANCE: f64 = 0.45e-3;
 
 /// The sharpest edge in which a ball of `radius` mm comes as near as [`CLEARANCE`], R Δs²/8 above its bottom; or that of
 /// a hollow as round as the ball.
-fn sharpest_fold(lattice: Lattice, radius: f64) -> f64 {
+fn sharpest_fold(lattice: Lattice, cutter: Cutter) -> f64 {
+    let radius = cutter.valley_radius();
     let alone = (8.0 * CLEARANCE / radius).sqrt();
     0.7 * alone.min(lattice.step.min_element() / radius)
 }
 
 /// Share of the light that a tool's grid sends as if squares were cut the other way: half of that of the tool's squares
 /// which a diagonal crosses.
-fn crossed(lattice: Lattice, radius: f64) -> f64 {
+fn crossed(lattice: Lattice, cutter: Cutter) -> f64 {
     let cell = lattice.cell();
-    let across = cell.max_element() / Tool::new(cell, radius).places as f64;
+    let across = cell.max_element() / Tool::new(cell, cutter).places as f64;
     (0.5 * across / lattice.step.max_element()).min(0.5)
 }
 

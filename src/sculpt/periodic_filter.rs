@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rustfft::num_complex::Complex32;
 use rustfft::{Fft, FftPlanner};
 
-use crate::fourier::smooth_size;
+use crate::relief::periodic::PeriodicRelief;
 
 use super::edge_slopes::Lattice;
 
@@ -44,7 +44,7 @@ impl PeriodicFilter {
     }
 
     /// Gains that smooth heights on `lattice` by a Gaussian of standard deviation `sigma` mm.
-    pub fn polish(&self, lattice: Lattice, sigma: f64) -> Vec<f32> {
+    pub fn gaussian(&self, lattice: Lattice, sigma: f64) -> Vec<f32> {
         self.gains(|i, j| (-0.5 * (lattice.wave(i, j) * sigma).powi(2)).exp())
     }
 
@@ -126,9 +126,13 @@ impl PeriodicFilter {
     }
 }
 
-/// The next even number from `n` up with no prime factor above 5, for which transforms are fast.
-pub fn fast_side(n: usize) -> usize {
-    2 * smooth_size(n.div_ceil(2))
+/// Heights of `relief`'s cell smoothed by a Gaussian of standard deviation `sigma` mm, its edges joined.
+pub fn smoothed(relief: &PeriodicRelief, sigma: f64) -> Vec<f32> {
+    let lattice = Lattice::of(relief);
+    let filter = PeriodicFilter::new(lattice.n);
+    let mut heights = relief.heights.clone();
+    filter.filter(&mut heights, lattice.n, &filter.gaussian(lattice, sigma));
+    heights
 }
 
 #[cfg(test)]
@@ -160,10 +164,5 @@ mod tests {
                 assert!((f64::from(*v) - expected).abs() < 1e-4, "{side} {k}: {v} {expected}");
             }
         }
-    }
-
-    #[test]
-    fn sides_are_even_and_smooth() {
-        assert_eq!([1, 31, 97, 148, 257, 400].map(fast_side), [2, 32, 100, 150, 270, 400]);
     }
 }

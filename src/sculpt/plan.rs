@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::cutter::Cutter;
+
 use super::objective::LossScale;
 
 /// What a sheet shall be.
@@ -13,8 +15,8 @@ pub struct SheetSettings {
     pub cells: [usize; 2],
     /// Nodes along each side of a cell, an even number.
     pub grid: usize,
-    /// Radius of the ball cutter that the relief is for, mm.
-    pub cutter: Option<f64>,
+    /// The cutter that the relief is for.
+    pub cutter: Option<Cutter>,
     /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
     pub polish: f64,
     /// Waves shorter than this are damped, mm; 0 damps none.
@@ -153,14 +155,14 @@ fn halved(grid: usize, most: usize) -> usize {
 /// can be handled.
 ///
 /// `most_triangles` is for the whole plate.
-pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<f64>, most_triangles: usize) -> usize {
+pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, most_triangles: usize) -> usize {
     /// Enough for a picture: at half as many, details of a quarter of a degree are grainy.
     const FOR_A_PICTURE: f64 = 400.0;
     // Transforms are fast where all factors are small, and grids are halved once or twice on the way.
     const SIDES: [usize; 16] = [64, 80, 96, 128, 160, 200, 240, 256, 320, 360, 400, 480, 512, 640, 800, 1024];
     let by_file = (most_triangles as f64 / (2 * cells[0] * cells[1]) as f64).sqrt();
     // From one triangle to the next a ball turns by the distance of nodes over its radius.
-    let by_cutter = cutter.map_or(0.0, |radius| cell.max_element() / (0.05 * radius));
+    let by_cutter = cutter.map_or(0.0, |cutter| cell.max_element() / (0.05 * cutter.valley_radius()));
     let wanted = by_cutter.clamp(FOR_A_PICTURE, 1024.0);
     let fitting = SIDES.into_iter().filter(|&n| n as f64 <= by_file.max(64.0));
     fitting.clone().find(|&n| n as f64 >= wanted).or(fitting.max()).unwrap_or(64)

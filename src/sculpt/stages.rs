@@ -38,8 +38,8 @@ const UNEVENNESS: f64 = 0.004;
 /// distribution's image is too narrow to be laid out.
 pub fn least_stray(distribution: &SlopeDistribution, sculpting: &SheetSettings) -> Option<Unavoidable> {
     const SAMPLES: usize = 1 << 16;
-    let radius = sculpting.cutter?;
-    Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, radius))
+    let cutter = sculpting.cutter?;
+    Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, cutter))
 }
 
 /// A sheet, and how it came about.
@@ -225,7 +225,7 @@ impl<'a> Work<'a> {
                 break;
             }
             if with_tool {
-                objective.update_tool_residual(&objective.relief(&y));
+                objective.update_tool_residual(&objective.relief(&y), self.progress);
             }
             let share = share.part(look, looks);
             minimise(
@@ -250,14 +250,14 @@ impl<'a> Work<'a> {
 
     fn match_slopes(&self, lattice: Lattice, z: &mut Vec<f32>, rounds: usize, share: Share) {
         let matching = Matching::new(lattice, &self.plane.samples(lattice.n * lattice.n));
-        let closing = self.sculpting.cutter.map(|radius| Closing::new(lattice.n, lattice.step, radius));
+        let closing = self.sculpting.cutter.map(|cutter| Closing::new(lattice, cutter));
         matching.run(z, closing.as_ref(), rounds, self.sculpting.seed, self.progress);
         self.progress.fraction(share.from + share.whole);
     }
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {
         let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.update_tool_residual(z);
+        objective.update_tool_residual(z, self.progress);
         objective.misplaced(z, COMPARED_AT)
     }
 
@@ -267,17 +267,17 @@ impl<'a> Work<'a> {
         let lattice = self.lattice(grid);
         let z = self.resampled(&at, grid);
         let mut relief = relief(lattice, &z, self.manufacturing.tilt);
-        if let Some(radius) = cutter {
-            let tool = Tool::new(cell, radius);
+        if let Some(cutter) = cutter {
+            let tool = Tool::new(cell, cutter);
             // Where a valley runs aslant, its floor lies between the tool's places; what is raised there, the tool meets
             // anew.
-            let finer = Tool::without_steps(&relief, radius);
+            let finer = Tool::without_steps(&relief, cutter);
             for _ in 0..FILLINGS {
                 if self.progress.is_abandoned() {
                     break;
                 }
-                tool.fill(&mut relief, CLEARANCE);
-                if !finer.fill(&mut relief, CLEARANCE) {
+                tool.fill(&mut relief, CLEARANCE, self.progress);
+                if !finer.fill(&mut relief, CLEARANCE, self.progress) {
                     break;
                 }
             }

@@ -10,13 +10,14 @@
 //! picture, and where it falls is known only here.
 
 use glam::DVec2;
-use rayon::prelude::*;
 
+use crate::cutter::Cutter;
+use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 
-use super::edge_slopes::Lattice;
-use super::periodic_filter::PeriodicFilter;
+use super::periodic_filter::smoothed;
 use super::resample::sampled;
+use super::sweep::milled_heights;
 
 /// Places along a side of a cell at the most.
 const MOST: usize = 2000;
@@ -30,7 +31,7 @@ const SAG: f64 = 0.025e-3;
 /// A ball cutter over a grid of places.
 #[derive(Clone, Debug)]
 pub struct Tool {
-    radius: f64,
+    cutter: Cutter,
     /// Places along a side of a cell, an even number.
     pub places: usize,
 }
@@ -52,32 +53,28 @@ impl Milled {
 }
 
 impl Tool {
-    /// A ball of `radius` mm for cells of `cell` mm.
-    pub fn new(cell: DVec2, radius: f64) -> Self {
-        let places = (cell.max_element() * PLACES_ACROSS_CUTTER / (2.0 * radius)).ceil() as usize;
-        Self { radius, places: places.next_multiple_of(2).clamp(16, MOST) }
+    /// `cutter` over cells of `cell` mm.
+    pub fn new(cell: DVec2, cutter: Cutter) -> Self {
+        let places = (cell.max_element() * PLACES_ACROSS_CUTTER / cutter.diameter()).ceil() as usize;
+        Self { cutter, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
     /// The same ball over places so close that its path between them sags by about 0.025 µm, h²/8R: as good as one that
     /// moves without steps. Each node of `relief` is one of them, since pits are at nodes.
-    pub fn without_steps(relief: &PeriodicRelief, radius: f64) -> Self {
-        let between_nodes = relief.step().max_element() / (8.0 * radius * SAG).sqrt();
-        Self { radius, places: relief.nodes * between_nodes.round().max(1.0) as usize }
+    pub fn without_steps(relief: &PeriodicRelief, cutter: Cutter) -> Self {
+        let between_nodes = relief.step().max_element() / (8.0 * cutter.valley_radius() * SAG).sqrt();
+        Self { cutter, places: relief.nodes * between_nodes.round().max(1.0) as usize }
     }
 
-    /// One cell of `relief` as the tool leaves it.
-    pub fn mill(&self, relief: &PeriodicRelief) -> Milled {
+    /// One cell of `relief` as the tool leaves it; abandoned, what nobody should use.
+    pub fn mill(&self, relief: &PeriodicRelief, progress: &Progress) -> Milled {
         let n = self.places;
         let written = sampled(relief, n);
         let step = relief.cell / n as f64;
         let rise = |k: usize, next: usize| written[next] - written[k];
         let along_x = self.profile((0..n * n).map(|k| rise(k, k / n * n + (k + 1) % n)), step.x, relief.tilt.p);
         let along_y = self.profile((0..n * n).map(|k| rise(k, (k + n) % (n * n))), step.y, relief.tilt.q);
-        let mut z = written.clone();
-        for sign in [1.0, -1.0] {
-            z = swept_along_rows(&z, n, &along_x, sign);
-            z = swept_across_rows(&z, n, &along_y, sign);
-        }
+        let z = milled_heights(&written, n, &along_x, &along_y, progress);
         let left = z.iter().zip(&written).map(|(a, b)| a - b).collect();
         let relief = PeriodicRelief { nodes: n, heights: z, cell: relief.cell, cells: [1, 1], tilt: relief.tilt };
         Milled { relief, left }
@@ -87,16 +84,12 @@ impl Tool {
     /// mean slope: steps aside, and how far the ball lies below its tip there, the mean slope taken off.
     fn profile(&self, rises: impl Iterator<Item = f32>, step: f64, mean: f64) -> Vec<(isize, f32)> {
         let (low, high) = rises.fold((0.0f32, 0.0f32), |r, v| (r.0.min(v), r.1.max(v)));
-        let touched = |rise: f32| {
-            let slope = f64::from(rise) / step + mean;
-            self.radius * slope / slope.hypot(1.0) / step
-        };
+        let touched = |rise: f32| self.cutter.contact(f64::from(rise) / step + mean) / step;
         let (from, to) = (touched(low).floor() as isize - 1, touched(high).ceil() as isize + 1);
         (from..=to)
             .map(|aside| {
                 let x = aside as f64 * step;
-                let drop = self.radius - (self.radius * self.radius - x * x).max(0.0).sqrt();
-                (aside, (mean * x - drop) as f32)
+                (aside, (mean * x - self.cutter.underside(x)) as f32)
             })
             .collect()
     }
@@ -104,11 +97,14 @@ impl Tool {
     /// Raises nodes of `relief` wherever the cutter stays more than `most` mm above its triangles, until it does nowhere.
     ///
     /// Few nodes need it; a hundred rounds are the limit, which nothing met so far has come near. Returns whether any did.
-    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64) -> bool {
+    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
         for round in 0..ROUNDS {
-            let milled = self.mill(relief);
+            let milled = self.mill(relief, progress);
+            if progress.is_abandoned() {
+                return false;
+            }
             let mut raise = vec![0.0f32; n * n];
             for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
                 let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
@@ -133,52 +129,9 @@ impl Tool {
 /// One cell of `relief` after polish or paint that smooths heights by a Gaussian of standard deviation `sigma` mm.
 pub fn polished(mut relief: PeriodicRelief, sigma: f64) -> PeriodicRelief {
     if sigma > 0.0 {
-        let lattice = Lattice { n: relief.nodes, step: relief.step() };
-        let waves = PeriodicFilter::new(lattice.n);
-        waves.filter(&mut relief.heights, lattice.n, &waves.polish(lattice, sigma));
+        relief.heights = smoothed(&relief, sigma);
     }
     relief
-}
-
-/// out(x) = max over the profile of z(x + aside) + depth for sign 1, min of z(x - aside) - depth for sign -1, along rows of
-/// `n` that continue into themselves.
-pub(super) fn swept_along_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
-    let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
-    let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(n).zip(z.par_chunks(n)).with_min_len(16).for_each_init(Vec::new, |around, (out, row)| {
-        around.clear();
-        around.extend((0..n + 2 * reach).map(|k| row[(k + reach * (n - 1)) % n]));
-        sweep(out, profile, sign, |aside| &around[reach.wrapping_add_signed(aside)..][..n]);
-    });
-    out
-}
-
-/// The same along columns.
-pub(super) fn swept_across_rows(z: &[f32], n: usize, profile: &[(isize, f32)], sign: f32) -> Vec<f32> {
-    let rows = (z.len() / n) as isize;
-    let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(n).enumerate().with_min_len(16).for_each(|(j, out)| {
-        sweep(out, profile, sign, |aside| &z[(j as isize + aside).rem_euclid(rows) as usize * n..][..n]);
-    });
-    out
-}
-
-fn sweep<'a>(out: &mut [f32], profile: &[(isize, f32)], sign: f32, shifted: impl Fn(isize) -> &'a [f32]) {
-    let rising = sign > 0.0;
-    out.fill(if rising { f32::NEG_INFINITY } else { f32::INFINITY });
-    for &(aside, depth) in profile {
-        if rising {
-            for (o, v) in out.iter_mut().zip(shifted(aside)) {
-                let v = v + depth;
-                *o = if v > *o { v } else { *o };
-            }
-        } else {
-            for (o, v) in out.iter_mut().zip(shifted(-aside)) {
-                let v = v - depth;
-                *o = if v < *o { v } else { *o };
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -198,7 +151,7 @@ mod tests {
         // Slopes ±0.2 about the tilt, 0.1: at the bottom of the valley the ball stays R s²/2 above it, a little less
         // where its slopes are steeper.
         let roof = relief(40, |x, _| 0.4 * (x - 0.5).abs());
-        let cut = Tool { radius: 0.25, places: 400 }.mill(&roof);
+        let cut = Tool { cutter: Cutter::ball(0.5), places: 400 }.mill(&roof, &Progress::silent());
         assert!((cut.most_left() / (0.25 * 0.04 / 2.0) - 1.0).abs() < 0.03, "{}", cut.most_left());
         assert!((f64::from(cut.relief.heights[0]) - 0.2).abs() < 1e-6);
         assert_eq!((cut.relief.tilt, cut.relief.cells), (roof.tilt, [1, 1]));
@@ -208,7 +161,7 @@ mod tests {
     fn the_sweeps_are_those_of_whole_balls() {
         let rough = relief(12, |x, y| ((x * 91.0 + y * 57.0).sin() * 43.0).fract() * 0.02);
         let (n, radius) = (24, 0.6);
-        let cut = Tool { radius, places: n }.mill(&rough);
+        let cut = Tool { cutter: Cutter::ball(2.0 * radius), places: n }.mill(&rough, &Progress::silent());
         let step = rough.cell / n as f64;
         let z = sampled(&rough, n);
         // Steps from a place to another, the short way round.
@@ -233,11 +186,11 @@ mod tests {
     #[test]
     fn what_the_cutter_cannot_reach_is_filled() {
         let mut rough = relief(40, |x, y| 0.05 * (x - 0.5).abs() + 0.002 * (9.0 * y).sin().max(0.7));
-        let tool = Tool::new(rough.cell, 0.25);
+        let tool = Tool::new(rough.cell, Cutter::ball(0.5));
         let before = rough.clone();
-        assert!(tool.mill(&rough).most_left() > 2e-4);
-        tool.fill(&mut rough, 2e-4);
-        assert!(tool.mill(&rough).most_left() <= 2e-4);
+        assert!(tool.mill(&rough, &Progress::silent()).most_left() > 2e-4);
+        tool.fill(&mut rough, 2e-4, &Progress::silent());
+        assert!(tool.mill(&rough, &Progress::silent()).most_left() <= 2e-4);
         assert!(rough.heights.iter().zip(&before.heights).all(|(a, b)| a >= b));
     }
 }

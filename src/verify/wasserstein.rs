@@ -8,6 +8,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::progress::Progress;
 use crate::projection::{Projection, View};
 use crate::raster::Raster;
 use crate::slope::angle_between;
@@ -27,8 +28,9 @@ const NONE: u32 = u32::MAX;
 /// sum one, so lost light does not count here. The cost of moving light is the great-circle angle between the
 /// directions at the pixel centres.
 ///
-/// `None` if either image holds no light, or a value that is not finite, or if `resolution` is zero.
-pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize) -> Option<f64> {
+/// `None` if either image holds no light, or a value that is not finite, or if `resolution` is zero; and if it is
+/// abandoned.
+pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize, progress: &Progress) -> Option<f64> {
     let directions: Vec<_> = (0..resolution * resolution).map(|k| pixel_direction(view, k, resolution)).collect();
     let share = |image: &Raster| -> Option<Vec<f64>> {
         let mut coarse = image.resampled(resolution, resolution).values;
@@ -54,12 +56,15 @@ pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize) -> Optio
     let (to, demand) = worth_moving(&lack);
     let mut cost = vec![0.0; from.len() * to.len()];
     cost.par_chunks_mut(to.len().max(1)).zip(&from).for_each(|(row, &from)| {
+        if progress.is_abandoned() {
+            return;
+        }
         for (cost, &to) in row.iter_mut().zip(&to) {
             *cost = angle_between(from, to).to_degrees();
         }
     });
-    let mut tree = Tree::new(&counted(&supply), &counted(&demand), cost);
-    tree.optimise();
+    let mut tree = Tree::new(&counted(&supply), &counted(&demand), cost, progress)?;
+    tree.optimise(progress)?;
     Some(tree.total_cost() / WHOLE as f64 * moved)
 }
 
@@ -112,7 +117,7 @@ struct Tree {
 impl Tree {
     /// A first tree: each source in turn serves the nearest sinks that still lack something. `supply` and `demand`
     /// are positive and of equal sum.
-    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>) -> Self {
+    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>, progress: &Progress) -> Option<Self> {
         let (sources, sinks) = (supply.len(), demand.len());
         let nodes = sources + sinks + 1;
         let mut tree = Self {
@@ -131,6 +136,9 @@ impl Tree {
         let mut arcs = vec![Vec::new(); nodes];
         let (mut lacking, mut open) = (demand.to_vec(), (0..sinks).collect::<Vec<_>>());
         for (i, mut left) in supply.iter().copied().enumerate() {
+            if progress.is_abandoned() {
+                return None;
+            }
             while left > 0 {
                 let cost = |k: &usize| tree.cost[i * sinks + open[*k]];
                 let Some(k) = (0..open.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))) else { break };
@@ -162,7 +170,7 @@ impl Tree {
             }
         }
         tree.set_prices();
-        tree
+        Some(tree)
     }
 
     fn attach(&mut self, node: usize, parent: usize, flow: i64) {
@@ -215,10 +223,15 @@ impl Tree {
         });
     }
 
-    /// Pivots until no arc can lower the cost.
-    fn optimise(&mut self) {
-        let mut stale = 0;
+    /// Pivots until no arc can lower the cost; `None` if it is abandoned before.
+    fn optimise(&mut self, progress: &Progress) -> Option<()> {
+        const PIVOTS_A_QUESTION: usize = 64;
+        let (mut stale, mut pivots) = (0, 0usize);
         loop {
+            pivots += 1;
+            if pivots.is_multiple_of(PIVOTS_A_QUESTION) && progress.is_abandoned() {
+                return None;
+            }
             let entering = self.entering();
             if stale > 0 && (entering.is_none() || stale == self.price.len()) {
                 // Prices have been added to many times: rounding must neither grow nor have the last word.
@@ -228,7 +241,7 @@ impl Tree {
                 self.pivot(i, self.sources + j, reduced);
                 stale += 1;
             } else {
-                return;
+                return Some(());
             }
         }
     }
@@ -334,8 +347,8 @@ mod tests {
 
     fn solved(supply: &[f64], demand: &[f64], cost: Vec<f64>) -> f64 {
         let (supply, demand) = (counted(supply), counted(demand));
-        let mut tree = Tree::new(&supply, &demand, cost);
-        tree.optimise();
+        let mut tree = Tree::new(&supply, &demand, cost, &Progress::silent()).unwrap();
+        tree.optimise(&Progress::silent()).unwrap();
         prove_optimal(&tree, &supply, &demand);
         tree.total_cost() / WHOLE as f64
     }
@@ -394,7 +407,8 @@ mod tests {
         let view = View::new(Projection::Equidistant, f64::to_radians(2.0), DVec3::Z);
         // 40 pixels over 4 degrees; shifts that overlap the old place and shifts that do not.
         for (dx, dy) in [(1, 0), (0, 3), (3, 4), (12, 5)] {
-            let found = exact_w1(&blob(40, 12, 14), &blob(40, 12 + dx, 14 + dy), &view, 40).unwrap();
+            let found =
+                exact_w1(&blob(40, 12, 14), &blob(40, 12 + dx, 14 + dy), &view, 40, &Progress::silent()).unwrap();
             assert!((found / (0.1 * f64::hypot(dx as f64, dy as f64)) - 1.0).abs() < 1e-3, "{dx} {dy} {found}");
         }
     }
@@ -405,7 +419,7 @@ mod tests {
         let image = |seed| Raster::from_fn(14, 14, |x, y| noise(x + 14 * y + seed) as f64);
         let [a, b, c] = [0, 1000, 5000].map(image);
         let brighter = a.clone().scaled(3.0);
-        let d = |a, b| exact_w1(a, b, &view, 14).unwrap();
+        let d = |a, b| exact_w1(a, b, &view, 14, &Progress::silent()).unwrap();
         assert!(d(&a, &brighter) < 1e-9);
         assert!(d(&a, &b) > 0.1);
         assert!((d(&a, &b) - d(&b, &a)).abs() < 1e-9);
@@ -427,7 +441,7 @@ mod tests {
         for (projection, field, (theta, phi), expected) in cases {
             let centre = flat_mirror(direction(f64::to_radians(theta), f64::to_radians(phi)));
             let view = View::new(projection, f64::to_radians(field), centre);
-            let found = exact_w1(&measured, &wanted, &view, 20).unwrap();
+            let found = exact_w1(&measured, &wanted, &view, 20, &Progress::silent()).unwrap();
             assert!((found / expected - 1.0).abs() < 1e-9, "{projection:?} {found} {expected}");
         }
     }
@@ -439,12 +453,12 @@ mod tests {
         let mut broken = good.clone();
         broken.values[3] = f64::NAN;
         for bad in [&Raster::zeros(20, 20), &Raster::zeros(0, 0), &broken, &good.clone().scaled(f64::INFINITY)] {
-            assert_eq!(exact_w1(bad, &good, &view, 20), None);
-            assert_eq!(exact_w1(&good, bad, &view, 20), None);
+            assert_eq!(exact_w1(bad, &good, &view, 20, &Progress::silent()), None);
+            assert_eq!(exact_w1(&good, bad, &view, 20, &Progress::silent()), None);
         }
-        assert_eq!(exact_w1(&good, &good, &view, 0), None);
+        assert_eq!(exact_w1(&good, &good, &view, 0, &Progress::silent()), None);
         // Beyond 180 degrees from the centre there are no directions, hence no light to be moved.
         let corner = Raster::from_fn(20, 20, |x, y| f64::from(x + y == 0));
-        assert_eq!(exact_w1(&corner, &good, &view, 20), None);
+        assert_eq!(exact_w1(&corner, &good, &view, 20, &Progress::silent()), None);
     }
 }

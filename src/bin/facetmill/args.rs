@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand};
+use facetmill::cutter::Cutter;
 use facetmill::picture::Encoding;
-use facetmill::recipe::{Cutter, Recipe, SurfaceKind};
+use facetmill::recipe::{Recipe, SurfaceKind};
 
 use crate::measure::args::MeasureArgs;
 use crate::values::*;

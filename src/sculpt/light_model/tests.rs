@@ -1,6 +1,7 @@
 use glam::{DMat2, DVec2};
 
 use super::*;
+use crate::cutter::Cutter;
 use crate::sculpt::target::SlopeTarget;
 
 /// Bins over slopes from -1 to 1, turned a little.
@@ -23,7 +24,7 @@ fn potential(side: usize) -> Vec<f32> {
 fn all_light_lands_with_and_without_a_cutter() {
     let lattice = Lattice { n: 16, step: DVec2::new(0.05, 0.04) };
     for (crossed, radius) in [(0.0, None), (0.25, None), (0.0, Some(0.01)), (0.5, Some(0.5))] {
-        let concave = radius.map(|radius| ConcaveEdges::new(lattice, radius, 0.1));
+        let concave = radius.map(|radius| ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 0.1));
         let light =
             LightModel::new(lattice, bins(64), crossed, concave).forward(&EdgeSlopes::new(lattice, &uneven(16, 0.02)));
         let sum: f64 = light.iter().map(|v| f64::from(*v)).sum();
@@ -63,7 +64,7 @@ fn the_pull_is_the_derivative() {
         [(None, 0.05, 0.0, 0.0), (None, 0.04, 0.3, 0.0), (Some(0.01), 0.05, 0.1, 0.0), (Some(0.01), 0.04, 0.0, 0.4)]
     {
         let lattice = Lattice { n: 12, step: [across, 0.05].into() };
-        let concave = radius.map(|radius| ConcaveEdges::new(lattice, radius, 0.3));
+        let concave = radius.map(|radius| ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 0.3));
         let light = LightModel::new(lattice, bins(side), crossed, concave);
         // Bilinear reading has kinks at the bins, concave edges where two edges are as steep: steps must be small beside them, sums
         // exact beside the steps.

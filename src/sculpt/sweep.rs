@@ -1,0 +1,89 @@
+//! A cutter swept over heights on a grid of places, one axis after the other.
+//!
+//! The tip stands as low at each place as the surface lets it: its path is the highest of all heights z(x + a) - u(a),
+//! where u is the cutter's underside over the distance a from its axis. What it leaves is the lowest underside that
+//! passes over a point: the lowest of all path(x - a) + u(a). Where u is a sum of one function of x and one of y, both
+//! sweeps part into rows and columns.
+
+use rayon::prelude::*;
+
+use crate::progress::Progress;
+
+/// Part of a cutter's profile along one axis: steps aside from the tip, and minus the height of the underside there, mm.
+pub type Profile = [(isize, f32)];
+
+/// What a cutter leaves of the heights `z`, rows of `width` places: its path first, then the surface below it.
+///
+/// `along_x` and `along_y` are the profile along rows and columns. Rows and columns continue into themselves.
+/// Abandoned, it returns at once what nobody should use.
+pub fn milled_heights(z: &[f32], width: usize, along_x: &Profile, along_y: &Profile, progress: &Progress) -> Vec<f32> {
+    let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress);
+    z = swept_across_rows(&z, width, along_y, Sweep::Path, progress);
+    z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress);
+    swept_across_rows(&z, width, along_y, Sweep::Surface, progress)
+}
+
+/// Which of the two sweeps.
+#[derive(Clone, Copy, PartialEq)]
+enum Sweep {
+    /// out(x) = max over the profile of z(x + aside) + depth.
+    Path,
+    /// out(x) = min over the profile of z(x - aside) - depth.
+    Surface,
+}
+
+fn swept_along_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
+    let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
+    let mut out = vec![0.0f32; z.len()];
+    out.par_chunks_mut(width).zip(z.par_chunks(width)).with_min_len(16).for_each_init(
+        Vec::new,
+        |around, (out, row)| {
+            if progress.is_abandoned() {
+                return;
+            }
+            around.clear();
+            around.extend((0..width + 2 * reach).map(|k| row[(k + reach * (width - 1)) % width]));
+            sweep.line(out, profile, |aside| &around[reach.wrapping_add_signed(aside)..][..width]);
+        },
+    );
+    out
+}
+
+fn swept_across_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
+    let rows = (z.len() / width) as isize;
+    let mut out = vec![0.0f32; z.len()];
+    out.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, out)| {
+        if progress.is_abandoned() {
+            return;
+        }
+        let row = |aside: isize| (j as isize + aside).rem_euclid(rows) as usize;
+        sweep.line(out, profile, |aside| &z[row(aside) * width..][..width]);
+    });
+    out
+}
+
+impl Sweep {
+    /// One row of the result; `shifted(aside)` is the row of heights that many steps aside.
+    fn line<'a>(self, out: &mut [f32], profile: &Profile, shifted: impl Fn(isize) -> &'a [f32]) {
+        match self {
+            Self::Path => {
+                out.fill(f32::NEG_INFINITY);
+                for &(aside, depth) in profile {
+                    for (o, v) in out.iter_mut().zip(shifted(aside)) {
+                        let v = v + depth;
+                        *o = if v > *o { v } else { *o };
+                    }
+                }
+            }
+            Self::Surface => {
+                out.fill(f32::INFINITY);
+                for &(aside, depth) in profile {
+                    for (o, v) in out.iter_mut().zip(shifted(-aside)) {
+                        let v = v - depth;
+                        *o = if v < *o { v } else { *o };
+                    }
+                }
+            }
+        }
+    }
+}
