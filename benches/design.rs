@@ -13,7 +13,7 @@ use facetmill::facets::arrange::anneal::{Annealing, anneal};
 use facetmill::facets::arrange::assignment::cheapest_assignment;
 use facetmill::facets::arrange::transport;
 use facetmill::facets::heights::LeastSquares;
-use facetmill::facets::sample::cells::equal_mass_centres;
+use facetmill::facets::sample::equal_mass::equal_mass_centres;
 use facetmill::facets::sample::refine::refined;
 use facetmill::progress::Progress;
 use glam::DVec2;

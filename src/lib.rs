@@ -145,6 +145,10 @@
 #![warn(missing_docs)]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+// Their types stand in public signatures: a caller who uses these needs no version of the same number.
+pub use glam;
+pub use image;
+
 pub mod progress;
 
 pub mod fourier;

@@ -5,7 +5,7 @@ use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
 use crate::facets::SlopeGrid;
-use crate::facets::arrange::{anneal::anneal_best, cells::in_cells, random_order, transport};
+use crate::facets::arrange::{anneal::anneal_best, per_cell::arrange_per_cell, random_order, transport};
 use crate::facets::heights::{least_squares, weyrich2009};
 use crate::facets::sample::sample;
 use crate::facets::steps::{Steps, steps};
@@ -239,7 +239,7 @@ fn faceted(
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
     let [columns, rows] = recipe.facets();
     let pitch = recipe.pitch();
-    in_cells(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
+    arrange_per_cell(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
         let seed = recipe.design.seed.wrapping_add(cell as u64);
         if recipe.arrangement() == Arrangement::Transport {
             return transport::dome(slopes, columns, rows, pitch, progress);

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::cutter::Cutter;
 use crate::progress::Progress;
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::heights::HeightGrid;
+use crate::relief::height_grid::HeightGrid;
 
 use super::sweep::milled_heights;
 use super::tool::PLACES_ACROSS_CUTTER;

@@ -12,7 +12,7 @@ use super::height_field::{HeightField, Nodes, Planes, Stretch};
 use super::lines::Lines;
 use super::{Hit, Kind, Surface};
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::heights::HeightGrid;
+use crate::relief::height_grid::HeightGrid;
 
 /// A relief on a grid, ready for rays.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::heights::HeightGrid;
+use crate::relief::height_grid::HeightGrid;
 
 use super::lines::Lines;
 

@@ -84,7 +84,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
-    use crate::relief::heights::HeightGrid;
+    use crate::relief::height_grid::HeightGrid;
 
     /// A closed box under four random squares, its triangles turned inside out or not.
     fn block(inside_out: bool) -> Mesh {

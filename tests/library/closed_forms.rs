@@ -13,7 +13,7 @@ use facetmill::export::solid::solid;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
 use facetmill::relief::faceted::{Facet, FacetedRelief};
-use facetmill::relief::heights::HeightGrid;
+use facetmill::relief::height_grid::HeightGrid;
 use facetmill::setup::Setup;
 use facetmill::slope::Slope;
 use facetmill::trace::Surface;

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use crate::plates::{ALL, Shape, plate};
 use facetmill::export::solid::{SolidError, solid};
-use facetmill::export::stl::{open_edges, read_stl, write_stl};
+use facetmill::export::stl::{read_stl, write_stl};
 use facetmill::relief::faceted::FacetedRelief;
 use facetmill::relief::mesh::Mesh;
 use facetmill::slope::Slope;
@@ -35,7 +35,7 @@ fn assert_manifold(mesh: &Mesh, name: &str) {
         }
         assert_eq!(length, ring.len(), "{name}: the triangles around vertex {v} are several rings");
     }
-    assert_eq!(open_edges(mesh), 0, "{name}");
+    assert_eq!(mesh.open_edges(), 0, "{name}");
 }
 
 /// The volume between facets and base.

@@ -10,7 +10,7 @@ use crate::plates::{Shape, plate};
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::solid::solid;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
-use facetmill::relief::heights::HeightGrid;
+use facetmill::relief::height_grid::HeightGrid;
 use facetmill::relief::periodic::PeriodicRelief;
 use facetmill::relief::recognise::{Recognised, recognise};
 use facetmill::slope::{Slope, direction, mirror};

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use facetmill::export::stl::{open_edges, read_stl};
+use facetmill::export::stl::read_stl;
 use facetmill::recipe::Recipe;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
@@ -73,7 +73,7 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         error => Failure::Input(format!("{name}: {error}")),
     })?;
     let mut advice = Vec::new();
-    let open = open_edges(&mesh);
+    let open = mesh.open_edges();
     if open > 0 {
         advice.push(format!("{open} edges of the mesh have no partner: it is not closed, and slicers will guess."));
     }

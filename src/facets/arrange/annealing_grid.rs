@@ -19,11 +19,11 @@ pub(super) struct Prices {
     pub valley: f64,
 }
 
-/// A place on the plate. The slope in it wanders; the climbs belong to the place.
+/// A place on the plate: the slope it holds at the time, and what is its own whatever slope it holds.
 #[derive(Clone, Copy)]
-struct Cell {
+struct Place {
     slope: Slope,
-    /// Height of the neighbour on the right, and of the one above, over that of this cell.
+    /// Height of the neighbour on the right, and of the one above, over that of this one, pitches.
     climb: [f64; 2],
 }
 
@@ -32,7 +32,7 @@ pub(super) struct AnnealingGrid {
     prices: Prices,
     columns: usize,
     rows: usize,
-    cells: Vec<Cell>,
+    places: Vec<Place>,
     row_sums: Vec<f64>,
     column_sums: Vec<f64>,
     poisson: Option<LeastSquares>,
@@ -45,7 +45,7 @@ impl AnnealingGrid {
             prices,
             columns,
             rows,
-            cells: grid.slopes.iter().map(|&slope| Cell { slope, climb: [0.0; 2] }).collect(),
+            places: grid.slopes.iter().map(|&slope| Place { slope, climb: [0.0; 2] }).collect(),
             row_sums: vec![0.0; rows],
             column_sums: vec![0.0; columns],
             poisson: (prices.step != 0.0).then(|| LeastSquares::new(columns, rows, DVec2::ONE, true)),
@@ -54,12 +54,13 @@ impl AnnealingGrid {
         plate
     }
 
-    pub fn cells(&self) -> usize {
-        self.cells.len()
+    /// Number of places, and of facets.
+    pub fn places(&self) -> usize {
+        self.places.len()
     }
 
     pub fn slopes(&self) -> Vec<Slope> {
-        self.cells.iter().map(|cell| cell.slope).collect()
+        self.places.iter().map(|place| place.slope).collect()
     }
 
     fn grid(&self) -> SlopeGrid {
@@ -70,18 +71,18 @@ impl AnnealingGrid {
     pub fn settle(&mut self) {
         self.row_sums.fill(0.0);
         self.column_sums.fill(0.0);
-        for (k, cell) in self.cells.iter().enumerate() {
-            self.row_sums[k / self.columns] += cell.slope.p;
-            self.column_sums[k % self.columns] += cell.slope.q;
+        for (k, place) in self.places.iter().enumerate() {
+            self.row_sums[k / self.columns] += place.slope.p;
+            self.column_sums[k % self.columns] += place.slope.q;
         }
         if let Some(poisson) = &self.poisson {
             let grid = self.grid();
             let heights = poisson.heights(&grid);
             for (a, b) in grid.x_pairs(true) {
-                self.cells[a].climb[0] = heights[b] - heights[a];
+                self.places[a].climb[0] = heights[b] - heights[a];
             }
             for (a, b) in grid.y_pairs(true) {
-                self.cells[a].climb[1] = heights[b] - heights[a];
+                self.places[a].climb[1] = heights[b] - heights[a];
             }
         }
     }
@@ -89,27 +90,27 @@ impl AnnealingGrid {
     /// The energy for the heights held, summed over the whole plate.
     pub fn energy(&self) -> f64 {
         let grid = self.grid();
-        let cell = |k: usize| &self.cells[k];
-        let x: f64 = grid.x_pairs(true).map(|(a, b)| self.edge_x(cell(a), cell(a).slope, cell(b).slope)).sum();
-        let y: f64 = grid.y_pairs(true).map(|(a, b)| self.edge_y(cell(a), cell(a).slope, cell(b).slope)).sum();
+        let place = |k: usize| &self.places[k];
+        let x: f64 = grid.x_pairs(true).map(|(a, b)| self.edge_x(place(a), place(a).slope, place(b).slope)).sum();
+        let y: f64 = grid.y_pairs(true).map(|(a, b)| self.edge_y(place(a), place(a).slope, place(b).slope)).sum();
         let closure: f64 = self.row_sums.iter().chain(&self.column_sums).map(|sum| sum * sum).sum();
         x + y + self.prices.closure * closure
     }
 
-    /// What exchanging the slopes of cells `a` and `b` would add to the energy.
+    /// What exchanging the slopes of places `a` and `b` would add to the energy.
     #[inline]
     pub fn change(&mut self, a: usize, b: usize) -> f64 {
-        let (in_a, in_b) = (self.cells[a].slope, self.cells[b].slope);
+        let (in_a, in_b) = (self.places[a].slope, self.places[b].slope);
         let (near_a, near_b) = (self.neighbours(a), self.neighbours(b));
         let edges = if near_a.contains(&b) || near_a.contains(&a) {
             // They share an edge, or a row of one cell is its own neighbour: one after the other, then back.
             let first = -self.around(a, near_a, in_a);
-            self.cells[a].slope = in_b;
+            self.places[a].slope = in_b;
             let second = self.around(a, near_a, in_b) - self.around(b, near_b, in_b);
-            self.cells[b].slope = in_a;
+            self.places[b].slope = in_a;
             let third = self.around(b, near_b, in_a);
-            self.cells[b].slope = in_b;
-            self.cells[a].slope = in_a;
+            self.places[b].slope = in_b;
+            self.places[a].slope = in_a;
             first + second + third
         } else {
             let at_a = self.around(a, near_a, in_b) - self.around(a, near_a, in_a);
@@ -121,38 +122,38 @@ impl AnnealingGrid {
     /// What the exchange would add to I: (R + d)² - R² + (S - d)² - S² for two rows, and likewise for two columns.
     #[inline]
     fn closure_change(&self, a: usize, b: usize) -> f64 {
-        let d = self.cells[b].slope.to_vec() - self.cells[a].slope.to_vec();
-        let ([i, j], [k, l]) = (self.place(a), self.place(b));
+        let d = self.places[b].slope.to_vec() - self.places[a].slope.to_vec();
+        let ([i, j], [k, l]) = (self.column_and_row(a), self.column_and_row(b));
         let rows = if j == l { 0.0 } else { 2.0 * d.x * (self.row_sums[j] - self.row_sums[l] + d.x) };
         let columns = if i == k { 0.0 } else { 2.0 * d.y * (self.column_sums[i] - self.column_sums[k] + d.y) };
         rows + columns
     }
 
-    /// Exchanges the slopes of cells `a` and `b`.
+    /// Exchanges the slopes of places `a` and `b`.
     #[inline]
     pub fn exchange(&mut self, a: usize, b: usize) {
-        let (in_a, in_b) = (self.cells[a].slope, self.cells[b].slope);
-        let ([i, j], [k, l]) = (self.place(a), self.place(b));
+        let (in_a, in_b) = (self.places[a].slope, self.places[b].slope);
+        let ([i, j], [k, l]) = (self.column_and_row(a), self.column_and_row(b));
         self.row_sums[j] += in_b.p - in_a.p;
         self.row_sums[l] += in_a.p - in_b.p;
         self.column_sums[i] += in_b.q - in_a.q;
         self.column_sums[k] += in_a.q - in_b.q;
-        self.cells[a].slope = in_b;
-        self.cells[b].slope = in_a;
+        self.places[a].slope = in_b;
+        self.places[b].slope = in_a;
     }
 
-    /// Column and row of cell k. Divided in 32 bits, which is faster and enough for any plate in memory.
+    /// Column and row of place k. Divided in 32 bits, which is faster and enough for any plate in memory.
     #[inline(always)]
-    fn place(&self, k: usize) -> [usize; 2] {
+    fn column_and_row(&self, k: usize) -> [usize; 2] {
         let (k, w) = (k as u32, self.columns as u32);
         [(k % w) as usize, (k / w) as usize]
     }
 
-    /// The cells to the left, to the right, below and above.
+    /// The places to the left, to the right, below and above.
     #[inline(always)]
     fn neighbours(&self, k: usize) -> [usize; 4] {
-        let (w, n) = (self.columns, self.cells.len());
-        let [i, _] = self.place(k);
+        let (w, n) = (self.columns, self.places.len());
+        let [i, _] = self.column_and_row(k);
         [
             if i == 0 { k + w - 1 } else { k - 1 },
             if i + 1 == w { k + 1 - w } else { k + 1 },
@@ -161,25 +162,25 @@ impl AnnealingGrid {
         ]
     }
 
-    /// Energy of the four edges of cell k if it held `slope`.
+    /// Energy of the four edges of place k if it held `slope`.
     #[inline(always)]
     fn around(&self, k: usize, [left, right, below, above]: [usize; 4], slope: Slope) -> f64 {
-        let cell = |k: usize| &self.cells[k];
-        self.edge_x(cell(left), cell(left).slope, slope)
-            + self.edge_x(cell(k), slope, cell(right).slope)
-            + self.edge_y(cell(below), cell(below).slope, slope)
-            + self.edge_y(cell(k), slope, cell(above).slope)
+        let place = |k: usize| &self.places[k];
+        self.edge_x(place(left), place(left).slope, slope)
+            + self.edge_x(place(k), slope, place(right).slope)
+            + self.edge_y(place(below), place(below).slope, slope)
+            + self.edge_y(place(k), slope, place(above).slope)
     }
 
     /// Energy of the edge to the right of `place`, with slope `a` in it and `b` beyond the edge.
     #[inline(always)]
-    fn edge_x(&self, place: &Cell, a: Slope, b: Slope) -> f64 {
+    fn edge_x(&self, place: &Place, a: Slope, b: Slope) -> f64 {
         self.edge(place.climb[0] - 0.5 * (a.p + b.p), b.q - a.q, b.p > a.p)
     }
 
     /// Energy of the edge above `place`, with slope `a` in it and `b` beyond the edge.
     #[inline(always)]
-    fn edge_y(&self, place: &Cell, a: Slope, b: Slope) -> f64 {
+    fn edge_y(&self, place: &Place, a: Slope, b: Slope) -> f64 {
         self.edge(place.climb[1] - 0.5 * (a.q + b.q), b.p - a.p, b.q > a.q)
     }
 
@@ -211,7 +212,7 @@ mod tests {
         for (columns, rows) in [(9, 7), (5, 5), (2, 6), (6, 2), (2, 2), (1, 12), (12, 1)] {
             let mut plate = AnnealingGrid::new(&scattered(columns, rows), ALL);
             let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
-            let (mut followed, n) = (plate.energy(), plate.cells());
+            let (mut followed, n) = (plate.energy(), plate.places());
             for _ in 0..5000 {
                 let (a, b) = (below(random.next_u64(), n), below(random.next_u64(), n));
                 followed += plate.change(a, b);

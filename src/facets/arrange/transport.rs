@@ -12,10 +12,13 @@ use crate::facets::SlopeGrid;
 use crate::progress::Progress;
 use crate::slope::Slope;
 
-/// The largest grid that is solved in one exact assignment; larger ones go window by window.
+/// The largest grid that is solved in one exact assignment, cells; larger ones go window by window. The assignment takes
+/// the cube of this at worst, and 8 MB for its costs; windows of a grid of this size come within a thousandth of the
+/// exact gain (see the tests), so that nobody sees the change from one to the other.
 const EXACT: usize = 1024;
 
-/// Side of a window, cells. A window's assignment takes the sixth power of it at worst.
+/// Side of a window, cells. A window's assignment takes the sixth power of it at worst, the whole grid the fourth: twice
+/// the side costs up to sixteen times as much for what one more round of windows does as well.
 const WINDOW: usize = 8;
 
 /// Rounds from coarse to fine windows. Measured at 100 × 100: steps of 0.0032, 0.0031 and 0.0030 pitches after 2, 3

@@ -1,4 +1,4 @@
-//! Centroidal cells of equal mass: the paper's stippling done right for equal facets.
+//! Centroidal cells of equal mass, whose centres stand for facets of equal area.
 //!
 //! Plain weighted Voronoi stippling lets the cells' masses drift apart, and facets all have the same area. Here the
 //! density becomes many atoms of one mass, every cell owns the same number of them throughout, and neighbouring
@@ -51,8 +51,10 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
     centres.iter().map(|c| c.as_dvec2()).collect()
 }
 
-/// Moves centres far from all of their own cell's atoms to the nearest of those. Masses that are no multiple of a
-/// facet's leave cells that reach across a gap, and no light belongs into the middle of it.
+/// Moves each centre that is farther from all of its cell's atoms than the median cell is wide to the nearest of them.
+///
+/// Where bright regions hold no whole number of facets' mass, a cell reaches across the dark between two of them, and
+/// its centroid would lie in the dark.
 fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
     let mut spreads: Vec<f32> = atoms.chunks(size).zip(&*centres).map(|(cell, c)| spread(cell, *c)).collect();
     let middle = spreads.len() / 2;
@@ -69,10 +71,12 @@ fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
 /// Pairs exchanged between two questions whether to go on.
 const PAIRS_A_QUESTION: usize = 1024;
 
-/// Sweeps over all neighbouring pairs, at most.
+/// Sweeps over all neighbouring pairs, at most. Pictures come to rest by [`STILL`] in fewer; the bound is for densities
+/// whose cells drift for long along a line.
 const SWEEPS: usize = 24;
 
-/// Sum of squared moves in a sweep, as a share of the sum of the cells' spreads, that ends the sweeps.
+/// Sum of squared moves in a sweep, as a share of the sum of the cells' spreads, that ends the sweeps:
+/// centres then move by a thirtieth of their cell's radius, and the refinement that follows moves them farther.
 const STILL: f64 = 1e-3;
 
 /// More atoms draw the cells' borders finer; at a million facets memory and time matter more.
