@@ -1,6 +1,7 @@
 //! The house rules of CONTRIBUTING.md, read off the sources: what may import what, names, sizes, the guide's file lists,
 //! the minimum Rust.
 
+mod guide;
 mod imports;
 mod names;
 mod sizes;
@@ -8,7 +9,7 @@ mod source;
 mod toolchain;
 
 /// What is still to be mended: beginnings of offences that the rules let pass.
-const OPEN: [&str; 20] = [
+const OPEN: [&str; 19] = [
     "args refers to measure::args",
     "args refers to values",
     "console refers to files",
@@ -27,8 +28,7 @@ const OPEN: [&str; 20] = [
     "src/export/stl.rs",
     "src/job/",
     "src/sculpt/",
-    "src/verify/goniometer/table.rs",
-    "src/verify/",
+    "src/verify/measure.rs",
 ];
 
 /// Fails with all offences but those that are known to be open.
