@@ -19,6 +19,8 @@ pub mod estimate;
 
 pub mod pictures;
 
+mod advice;
+
 pub mod report;
 
 mod product;
@@ -105,7 +107,9 @@ impl Job<'_> {
         }
         progress.stage(Stage::Facets);
         let recipe = of_facets(&recipe);
-        let made = design(&recipe, light, &progress.to_the_end())?;
+        let mut facets = design(&recipe, light, &progress.to_the_end())?;
+        facets.ended_early |= made.ended_early;
+        let made = facets;
         let proof = prove(&recipe, light, &made, progress)?;
         Ok(Product { recipe, design: made, proof: Some(proof), comparison })
     }

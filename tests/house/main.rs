@@ -9,7 +9,7 @@ mod source;
 mod toolchain;
 
 /// What is still to be mended: beginnings of offences that the rules let pass.
-const OPEN: [&str; 19] = [
+const OPEN: [&str; 16] = [
     "args refers to measure::args",
     "args refers to values",
     "console refers to files",
@@ -17,15 +17,12 @@ const OPEN: [&str; 19] = [
     "estimate refers to files",
     "measure refers to ",
     "measure::args refers to values",
-    "picture::decode refers to picture::",
     "verify::first_bounce refers to verify::measure",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
-    "src/export/bsdf.rs",
     "src/export/picture.rs",
     "src/export/polar_slices.rs",
-    "src/export/stl.rs",
     "src/job/",
     "src/sculpt/",
     "src/verify/measure.rs",

@@ -3,13 +3,13 @@
 mod args;
 mod console;
 mod design;
-mod estimate;
 mod files;
 mod inputs;
 mod interrupt;
 mod measure;
 mod plates;
 mod snapshots;
+mod tables;
 mod usage;
 mod values;
 mod verify;
