@@ -41,7 +41,7 @@ fn done(recipe: &Recipe, cancel: &CancelToken) -> (Outcome, Spent) {
 
 /// The mesh and the figures of the proof.
 fn essence(product: Product) -> (Vec<[f32; 3]>, String) {
-    let verdict = product.proof.unwrap().verdict.to_json().to_string();
+    let verdict = format!("{:?}", product.proof.unwrap().verdict);
     (product.design.mesh.vertices, verdict)
 }
 
