@@ -63,7 +63,7 @@ where
         let mut tally = Tally::empty(collection.size);
         // Part k takes rows k, k + PARTS, … of the grid.
         for row in (part..rays.rows).step_by(PARTS) {
-            if progress.is_cancelled() {
+            if progress.is_abandoned() {
                 break;
             }
             // One stream a row: neither threads nor the number of parts touch the bytes.

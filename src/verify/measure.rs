@@ -92,5 +92,5 @@ fn round<S: Surface, C: Sensor>(
         Some(light) => first_bounce::parts(experiment, light, sensor, measuring, progress),
         None => follow_to_sensor(experiment, sensor, measuring, |_| true, progress),
     };
-    Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
+    Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
 }

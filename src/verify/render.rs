@@ -179,7 +179,7 @@ pub fn render<S: Surface>(
     let rows: Vec<Vec<[f64; 3]>> = (0..height)
         .into_par_iter()
         .map(|row| {
-            if progress.is_cancelled() {
+            if progress.is_abandoned() {
                 return Vec::new();
             }
             let stream = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
@@ -189,7 +189,7 @@ pub fn render<S: Surface>(
             values
         })
         .collect();
-    if progress.is_cancelled() {
+    if progress.is_abandoned() {
         return Err(RenderError::Cancelled);
     }
     let raster = |k: usize| Raster { width, height, values: rows.iter().flatten().map(|pixel| pixel[k]).collect() };

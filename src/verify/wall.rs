@@ -267,9 +267,9 @@ pub fn wall_image<S: Surface>(
     let collection = Collection { size: (n, n), wanted: |_| true, landing: || pixel_of };
     let round = |measuring: &Measuring| {
         let parts = follow_all(experiment, measuring, &collection, progress);
-        Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
+        Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
     };
-    let unlit = || if progress.is_cancelled() { WallError::Cancelled } else { WallError::Unlit };
+    let unlit = || if progress.is_abandoned() { WallError::Cancelled } else { WallError::Unlit };
     let measurement = until_error(measuring, round).ok_or_else(unlit)?;
     let (lamp_distance, lamp_radius) = lamp_size(experiment);
     let blur = settings.blur(experiment);

@@ -3,7 +3,7 @@
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, wall_page};
 use facetmill::job::pictures::rays;
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::recipe::Seen;
 use facetmill::report::measure::{Measured, WallFacts};
 use facetmill::trace::Surface;
@@ -50,10 +50,10 @@ pub fn measure(
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
     let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
     let settings = WallSettings { wall_distance, wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt), half_width };
-    progress.stage("throwing light on the wall");
+    progress.stage(Stage::Wall);
     let ball = args.lamp_distance.map(|distance| (distance, lamp_radius));
     let image = bench.plate.run(WallTask { bench, ball, settings, progress }).map_err(refused)?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
