@@ -189,4 +189,6 @@ pub mod export;
 
 pub mod recipe;
 
+pub mod report;
+
 pub mod job;

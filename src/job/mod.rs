@@ -14,6 +14,8 @@ pub mod estimate;
 
 pub mod pictures;
 
+mod advice;
+
 pub mod report;
 
 mod product;

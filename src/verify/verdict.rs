@@ -1,7 +1,6 @@
 //! The figures of a measured highlight, each with its standard error.
 
 use serde::Serialize;
-use serde_json::{Map, Value, json};
 
 use super::score::{blurred_scores, efficiency};
 use super::tally::{Measurement, Tally};
@@ -102,37 +101,6 @@ impl Verdict {
     /// The scores at the main blur.
     pub fn main(&self) -> &AtBlur {
         &self.at_blur[1]
-    }
-
-    /// As the report's object: values under their names, standard errors under `error`.
-    pub fn to_json(&self) -> Value {
-        let by_blur = |pick: fn(&AtBlur) -> f64| -> Value {
-            self.at_blur.iter().map(|s| (s.blur.to_string(), json!(pick(s)))).collect::<Map<_, _>>().into()
-        };
-        json!({
-            "tv": by_blur(|s| s.tv.value),
-            "tv_up": by_blur(|s| s.tv_up.value),
-            "tv_incident": by_blur(|s| s.tv_incident.value),
-            "ssim": by_blur(|s| s.ssim.value),
-            "w1_deg": self.w1.value,
-            "efficiency": self.efficiency.value,
-            "multi_bounce": self.multi_bounce.value,
-            "blocked": self.blocked.value,
-            "outside_image": self.outside_image,
-            "first_hit_wall": self.first_hit_wall,
-            "backface": self.backface,
-            "rays": self.rays,
-            "error": {
-                "tv": by_blur(|s| s.tv.error),
-                "tv_up": by_blur(|s| s.tv_up.error),
-                "tv_incident": by_blur(|s| s.tv_incident.error),
-                "ssim": by_blur(|s| s.ssim.error),
-                "w1_deg": self.w1.error,
-                "efficiency": self.efficiency.error,
-                "multi_bounce": self.multi_bounce.error,
-                "blocked": self.blocked.error,
-            },
-        })
     }
 }
 

@@ -33,7 +33,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::{Deserialize, Serialize};
 
 use crate::facets::SlopeGrid;
-use crate::facets::arrange::annealing_grid::{AnnealingGrid, Prices};
+use crate::facets::arrange::annealing_grid::{AnnealingGrid, Weights};
 use crate::facets::arrange::below;
 use crate::facets::heights::least_squares;
 use crate::facets::steps::steps;
@@ -79,7 +79,7 @@ pub struct Annealing {
     pub energy: Energy,
     /// Exchanges tried in a run, 40 to 80 ns each.
     pub swaps: u64,
-    /// Factor on the energy's own price of a valley, 0 or more; 0 is the paper's variant without valley term.
+    /// Factor on the energy's own weight of a valley, 0 or more; 0 is the paper's variant without valley term.
     pub valleys: f64,
     /// Independent runs, of which the one with the least wall area is kept.
     pub starts: u32,
@@ -136,7 +136,7 @@ pub fn anneal_best(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progre
 /// Only fractions are reported to `progress`. If it is cancelled, the order reached so far is left: the same slopes,
 /// less well arranged. Grids of one cell or none are left as they are.
 pub fn anneal(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &Progress<'_>) -> Annealed {
-    let mut plate = AnnealingGrid::new(grid, prices(grid, settings));
+    let mut plate = AnnealingGrid::new(grid, weights(grid, settings));
     let before = plate.energy();
     let mut done = Annealed { before, after: before, tried: 0, accepted: 0 };
     let cells = grid.cells() as u64;
@@ -170,14 +170,14 @@ pub fn anneal(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &
     done
 }
 
-fn prices(grid: &SlopeGrid, settings: &Annealing) -> Prices {
+fn weights(grid: &SlopeGrid, settings: &Annealing) -> Weights {
     let (w, h) = (grid.columns as f64, grid.rows as f64);
     let mean = grid.mean().to_vec();
     let spread = grid.slopes.iter().map(|s| s.to_vec().distance_squared(mean)).sum::<f64>() / (w * h).max(1.0);
     match settings.energy {
-        Energy::Walls => Prices { twist: 1.0, step: 1.0, closure: 0.0, valley: 0.3 * spread * settings.valleys },
+        Energy::Walls => Weights { twist: 1.0, step: 1.0, closure: 0.0, valley: 0.3 * spread * settings.valleys },
         Energy::Weyrich2009 => {
-            Prices { twist: 1.0, step: 0.0, closure: 2.0 * (w + h) / (w * h), valley: PI / 2000.0 * settings.valleys }
+            Weights { twist: 1.0, step: 0.0, closure: 2.0 * (w + h) / (w * h), valley: PI / 2000.0 * settings.valleys }
         }
     }
 }

@@ -6,9 +6,9 @@ use crate::facets::SlopeGrid;
 use crate::facets::heights::LeastSquares;
 use crate::slope::Slope;
 
-/// What the parts of the energy cost.
+/// The factors of the parts of the energy.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Prices {
+pub(super) struct Weights {
     /// On C: a quarter of the squared change, along each edge, of the step across it.
     pub twist: f64,
     /// On W: the squared step at the middle of each edge.
@@ -29,7 +29,7 @@ struct Place {
 
 /// A cyclic plate whose facets are being exchanged.
 pub(super) struct AnnealingGrid {
-    prices: Prices,
+    weights: Weights,
     columns: usize,
     rows: usize,
     places: Vec<Place>,
@@ -39,16 +39,16 @@ pub(super) struct AnnealingGrid {
 }
 
 impl AnnealingGrid {
-    pub fn new(grid: &SlopeGrid, prices: Prices) -> Self {
+    pub fn new(grid: &SlopeGrid, weights: Weights) -> Self {
         let (columns, rows) = (grid.columns, grid.rows);
         let mut plate = Self {
-            prices,
+            weights,
             columns,
             rows,
             places: grid.slopes.iter().map(|&slope| Place { slope, climb: [0.0; 2] }).collect(),
             row_sums: vec![0.0; rows],
             column_sums: vec![0.0; columns],
-            poisson: (prices.step != 0.0).then(|| LeastSquares::new(columns, rows, DVec2::ONE, true)),
+            poisson: (weights.step != 0.0).then(|| LeastSquares::new(columns, rows, DVec2::ONE, true)),
         };
         plate.settle();
         plate
@@ -94,7 +94,7 @@ impl AnnealingGrid {
         let x: f64 = grid.x_pairs(true).map(|(a, b)| self.edge_x(place(a), place(a).slope, place(b).slope)).sum();
         let y: f64 = grid.y_pairs(true).map(|(a, b)| self.edge_y(place(a), place(a).slope, place(b).slope)).sum();
         let closure: f64 = self.row_sums.iter().chain(&self.column_sums).map(|sum| sum * sum).sum();
-        x + y + self.prices.closure * closure
+        x + y + self.weights.closure * closure
     }
 
     /// What exchanging the slopes of places `a` and `b` would add to the energy.
@@ -116,7 +116,7 @@ impl AnnealingGrid {
             let at_a = self.around(a, near_a, in_b) - self.around(a, near_a, in_a);
             at_a + self.around(b, near_b, in_a) - self.around(b, near_b, in_b)
         };
-        if self.prices.closure == 0.0 { edges } else { edges + self.prices.closure * self.closure_change(a, b) }
+        if self.weights.closure == 0.0 { edges } else { edges + self.weights.closure * self.closure_change(a, b) }
     }
 
     /// What the exchange would add to I: (R + d)² - R² + (S - d)² - S² for two rows, and likewise for two columns.
@@ -186,8 +186,8 @@ impl AnnealingGrid {
 
     #[inline(always)]
     fn edge(&self, step: f64, twist: f64, valley: bool) -> f64 {
-        let valley = if valley { self.prices.valley } else { 0.0 };
-        self.prices.step * step * step + self.prices.twist * 0.25 * twist * twist + valley
+        let valley = if valley { self.weights.valley } else { 0.0 };
+        self.weights.step * step * step + self.weights.twist * 0.25 * twist * twist + valley
     }
 }
 
@@ -199,7 +199,7 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    const ALL: Prices = Prices { twist: 1.0, step: 0.7, closure: 0.13, valley: 0.01 };
+    const ALL: Weights = Weights { twist: 1.0, step: 0.7, closure: 0.13, valley: 0.01 };
 
     fn scattered(columns: usize, rows: usize) -> SlopeGrid {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn asking_for_a_change_changes_nothing_and_new_heights_only_lower_the_energy() {
-        let mut plate = AnnealingGrid::new(&scattered(6, 5), Prices { closure: 0.0, ..ALL });
+        let mut plate = AnnealingGrid::new(&scattered(6, 5), Weights { closure: 0.0, ..ALL });
         let slopes = plate.slopes();
         for (a, b) in [(0, 1), (0, 5), (0, 24), (3, 3), (7, 20)] {
             plate.change(a, b);
@@ -241,17 +241,17 @@ mod tests {
     #[test]
     fn each_part_of_the_energy_is_what_its_name_says() {
         let grid = scattered(8, 6);
-        let none = Prices { twist: 0.0, step: 0.0, closure: 0.0, valley: 0.0 };
-        let energy = |prices| AnnealingGrid::new(&grid, prices).energy();
+        let none = Weights { twist: 0.0, step: 0.0, closure: 0.0, valley: 0.0 };
+        let energy = |weights| AnnealingGrid::new(&grid, weights).energy();
         let heights = LeastSquares::new(8, 6, DVec2::ONE, true).heights(&grid);
         let steps = steps(&grid, &heights, DVec2::ONE, true);
-        assert_eq!(energy(Prices { valley: 1.0, ..none }), steps.valleys as f64);
+        assert_eq!(energy(Weights { valley: 1.0, ..none }), steps.valleys as f64);
         // The mean square of a step m + t s over an edge is m² + s²/12, and C holds s²/4.
-        let squares = energy(Prices { step: 1.0, twist: 1.0 / 3.0, ..none });
+        let squares = energy(Weights { step: 1.0, twist: 1.0 / 3.0, ..none });
         assert!((squares - steps.rms.powi(2) * 96.0).abs() < 1e-9);
         let row = |j: usize| (0..8).map(|i| grid.at(i, j).p).sum::<f64>().powi(2);
         let column = |i: usize| (0..6).map(|j| grid.at(i, j).q).sum::<f64>().powi(2);
         let closure = (0..6).map(row).sum::<f64>() + (0..8).map(column).sum::<f64>();
-        assert!((energy(Prices { closure: 1.0, ..none }) - closure).abs() < 1e-9);
+        assert!((energy(Weights { closure: 1.0, ..none }) - closure).abs() < 1e-9);
     }
 }

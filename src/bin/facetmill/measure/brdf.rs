@@ -6,17 +6,18 @@ use facetmill::export::hemisphere_maps::hemisphere_maps;
 use facetmill::export::merl::{Merl, MerlError};
 use facetmill::export::polar_slices::{RadialScale, polar_slices};
 use facetmill::progress::Progress;
+use facetmill::report::measure::{BrdfFacts, DirectionFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::goniometer::sweep::{Ledger, Swept, sweep};
 use facetmill::verify::goniometer::table::BrdfAxes;
 use facetmill::verify::measure::Measuring;
-use serde_json::json;
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::{percent, row};
 
 /// The most grazing light, degrees. What a ball shows near its rim lies beyond 85.
 const GRAZING: f64 = 88.0;
@@ -104,24 +105,27 @@ pub fn measure(
         .enumerate()
         .map(|(slice, ledger)| {
             let (theta, phi) = table.axes().incident_angles(slice);
-            json!({
-                "theta_deg": theta.to_degrees(), "phi_deg": phi.to_degrees(),
-                "albedo": ledger.up, "multi_bounce": ledger.multi_bounce, "taken": ledger.taken,
-                "trapped": ledger.trapped, "past_edges": ledger.past_edges, "unheld": ledger.unheld,
-            })
+            DirectionFacts {
+                theta_deg: theta.to_degrees(),
+                phi_deg: phi.to_degrees(),
+                albedo: ledger.up,
+                multi_bounce: ledger.multi_bounce,
+                taken: ledger.taken,
+                trapped: ledger.trapped,
+                past_edges: ledger.past_edges,
+                unheld: ledger.unheld,
+            }
         })
         .collect();
-    let facts = json!({
-        "kind": "brdf",
-        "rays_each": rays,
-        "half_vectors": [table.axes().columns(), table.axes().rows()],
-        "least": laws.least,
-        "greatest_albedo": laws.greatest_albedo.0,
-        "greatest_albedo_error": laws.greatest_albedo.1,
-        "reciprocity_error": laws.reciprocity_error,
-        "directions": by_light,
+    let measured = Measured::Brdf(BrdfFacts {
+        rays_each: rays,
+        half_vectors: [table.axes().columns(), table.axes().rows()],
+        least: laws.least,
+        greatest_albedo: laws.greatest_albedo.0,
+        greatest_albedo_error: laws.greatest_albedo.1,
+        reciprocity_error: laws.reciprocity_error,
+        directions: by_light,
     });
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("directions", lights.to_string(), format!("of light, {rays} rays each")),
         row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
@@ -133,7 +137,7 @@ pub fn measure(
             "mean difference when light and viewer change places: noise, and cells",
         ),
     ];
-    Ok(Outcome { facts, rows, notes, look_at: "slices.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "slices.png" })
 }
 
 pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {

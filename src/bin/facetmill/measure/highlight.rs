@@ -2,16 +2,18 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::pixels::{common_white, tone_mapped};
+use facetmill::job::pictures::rays;
 use facetmill::progress::Progress;
+use facetmill::report::measure::{HighlightImageFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::measure::{HighlightImage, collect};
 use facetmill::verify::tally::{Measurement, Tally};
-use serde_json::{Map, Value, json};
 
 use super::{Bench, Outcome};
-use crate::console::{Failure, rays, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::row;
 
 struct Lit<'a> {
     bench: &'a Bench,
@@ -65,8 +67,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
 
     let errors = measurement.standard_errors(|tally| SHARES.map(|(_, _, _, share)| share(tally)));
-    let mut shares = Map::new();
-    let mut share_errors = Map::new();
+    let (mut shares, mut share_errors) = (Vec::new(), Vec::new());
     let mut rows = vec![
         row(
             "plate",
@@ -82,8 +83,8 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     ];
     for ((key, name, meaning, share), error) in SHARES.into_iter().zip(errors) {
         let value = share(whole);
-        shares.insert(key.into(), json!(value));
-        share_errors.insert(key.into(), json!(error));
+        shares.push((key, value));
+        share_errors.push((key, error));
         if value.abs() > 5e-5 {
             let figure = format!("{:.2} %", 100.0 * value);
             rows.push(row(name, figure, format!("{meaning} (± {:.3})", 100.0 * error)));
@@ -102,18 +103,17 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
         let percent = 100.0 * trapped;
         notes.push(format!("{percent:.2}% of the light still bounces at the end: raise --max-bounces."));
     }
-    let facts: Value = json!({
-        "kind": "highlight",
-        "projection": bench.recipe.highlight.projection,
-        "half_field": bench.recipe.highlight.half_field,
-        "resolution": bench.measuring.resolution,
-        "pixels": "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
-        "rays": whole.rays,
-        "image_noise_tv": noise,
-        "shares_of_incident": shares,
-        "standard_errors": share_errors,
-        "backface": backface,
-        "balance": whole.balance(),
+    let measured = Measured::Highlight(HighlightImageFacts {
+        projection: bench.recipe.highlight.projection,
+        half_field: bench.recipe.highlight.half_field,
+        resolution: bench.measuring.resolution,
+        pixels: "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
+        rays: whole.rays,
+        image_noise_tv: noise,
+        shares_of_incident: shares.into_iter().collect(),
+        standard_errors: share_errors.into_iter().collect(),
+        backface,
+        balance: whole.balance(),
     });
-    Ok(Outcome { facts, rows, notes, look_at: "highlight.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "highlight.png" })
 }

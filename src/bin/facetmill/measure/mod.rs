@@ -12,16 +12,18 @@ use facetmill::brdf::material::Material;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::Recipe;
+use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
+use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
-use serde_json::{Value, json};
 
-use crate::console::{Failure, NEVER, Stages, print_json, print_table};
+use crate::console::{Failure, NEVER, Stages, Table, tell};
 use crate::files::Staged;
 use crate::plates::{self, Opened};
+use crate::tables::Row;
 use crate::values::ExtentArg;
 use args::MeasureArgs;
 
@@ -71,8 +73,8 @@ impl Bench {
 
 /// What a measurement has to say, its files being written already.
 struct Outcome {
-    facts: Value,
-    rows: Vec<[String; 3]>,
+    measured: Measured,
+    rows: Vec<Row>,
     notes: Vec<String>,
     look_at: &'static str,
 }
@@ -120,32 +122,30 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
     } else {
         highlight::measure(&bench, &mut staged, &progress)?
     };
-    let report = json!({
-        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
-        "plate": bench.opened.facts(),
-        "extent": if bench.endless { "endless" } else { "finite" },
-        "material": bench.material.to_string(),
-        // These have their own.
-        "light": (!args.brdf && !args.ndf).then_some(&bench.recipe.light),
-        "lamp": args.lamp.as_ref().map(|path| json!({
-            "picture": path.to_string_lossy(),
-            "half_field": args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
-        })),
-        "max_bounces": bench.measuring.max_bounces,
-        "seed": bench.measuring.seed,
-        "measured": outcome.facts,
-        "advice": bench.opened.advice.iter().chain(&outcome.notes).collect::<Vec<_>>(),
-    });
-    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
+    let report = MeasureReport {
+        program: PROGRAM,
+        plate: bench.opened.facts.clone(),
+        extent: if bench.endless { "endless" } else { "finite" },
+        material: bench.material.clone(),
+        // Light from all sides, and none, have no lamp.
+        light: (!args.brdf && !args.ndf).then_some(bench.recipe.light),
+        lamp: args.lamp.as_ref().map(|path| LampFacts {
+            picture: path.to_string_lossy().into_owned(),
+            half_field: args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
+        }),
+        max_bounces: bench.measuring.max_bounces,
+        seed: bench.measuring.seed,
+        measured: outcome.measured,
+        advice: [&bench.opened.advice[..], &outcome.notes[..]].concat(),
+    };
+    staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
-    if args.running.json {
-        print_json(&report)?;
-    } else if !args.running.quiet {
-        let notes: Vec<String> = bench.opened.advice.iter().chain(&outcome.notes).cloned().collect();
-        let title = format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at);
-        print_table(&title, &outcome.rows, &notes)?;
-    }
+    tell(&args.running, &report, |report| Table {
+        title: format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at),
+        rows: outcome.rows,
+        notes: report.advice.clone(),
+    })?;
     Ok(())
 }
 

@@ -2,17 +2,19 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, wall_page};
+use facetmill::job::pictures::rays;
 use facetmill::progress::Progress;
 use facetmill::recipe::Seen;
+use facetmill::report::measure::{Measured, WallFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::wall::{WallError, WallImage, WallSettings, throw};
-use serde_json::json;
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, rays, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::{percent, row};
 
 struct WallTask<'a> {
     bench: &'a Bench,
@@ -53,7 +55,7 @@ pub fn measure(
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
-        heading: format!("WallImage by {}, {}", bench.name, bench.material),
+        heading: format!("Light on a wall by {}, {}", bench.name, bench.material),
         ..Exposure::default()
     };
     staged.write_png("wall.png", &wall_page(&image, &settings, &exposure))?;
@@ -61,30 +63,28 @@ pub fn measure(
     staged.write("wall_error.tiff", |out| write_float_tiff(&image.errors(), out))?;
     let [landed, beside, nowhere] = image.shares();
     let blur = image.blur;
-    let facts = json!({
-        "kind": "wall",
-        "wall_distance_mm": wall_distance,
-        "wall_tilt_deg": settings.wall_tilt,
-        "lamp_distance_mm": lamp_distance.is_finite().then_some(lamp_distance),
-        "lamp_radius_mm": settings.lamp_radius,
-        "width_mm": 2.0 * half_width,
-        "resolution": bench.measuring.resolution,
-        "pixels": "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",
-        "mirrored": mirrored,
-        "in_picture": landed.0,
-        "in_picture_error": landed.1,
-        "beside_picture": beside.0,
-        "on_no_wall": nowhere.0,
-        "blur_by_plate_mm": [blur.plate.x, blur.plate.y],
-        "blur_by_lamp_mm": [blur.lamp.x, blur.lamp.y],
-        "blur_by_plate_deg": [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
-        "blur_by_lamp_deg": blur.lamp_angle.to_degrees(),
-        "image_noise_tv": image.measurement.image_noise(),
-        "rays": image.measurement.whole.rays,
+    let measured = Measured::Wall(WallFacts {
+        wall_distance_mm: wall_distance,
+        wall_tilt_deg: settings.wall_tilt,
+        lamp_distance_mm: lamp_distance.is_finite().then_some(lamp_distance),
+        lamp_radius_mm: settings.lamp_radius,
+        width_mm: 2.0 * half_width,
+        resolution: bench.measuring.resolution,
+        pixels: "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",
+        mirrored,
+        in_picture: landed.0,
+        in_picture_error: landed.1,
+        beside_picture: beside.0,
+        on_no_wall: nowhere.0,
+        blur_by_plate_mm: blur.plate.to_array(),
+        blur_by_lamp_mm: blur.lamp.to_array(),
+        blur_by_plate_deg: [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
+        blur_by_lamp_deg: blur.lamp_angle.to_degrees(),
+        image_noise_tv: image.measurement.image_noise(),
+        rays: image.measurement.whole.rays,
     });
     // What passes the wall's horizon is spread without end.
     let length = |mm: f64| if mm.is_finite() { format!("{mm:.1} mm") } else { "endless".into() };
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
         row("rays", rays(image.measurement.whole.rays), "traced"),
@@ -101,7 +101,7 @@ pub fn measure(
             "wide: the lamp's image, as through a pinhole; each point of the highlight is blurred by both",
         ),
     ];
-    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "wall.png" })
+    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "wall.png" })
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
