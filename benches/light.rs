@@ -58,7 +58,7 @@ fn scoring(c: &mut Criterion) {
     });
     for resolution in [32, 64] {
         group.bench_function(BenchmarkId::new("w1", resolution), |b| {
-            b.iter(|| exact_w1(black_box(&seen), &target, setup.view(), resolution));
+            b.iter(|| exact_w1(black_box(&seen), &target, setup.view(), resolution, &Progress::silent()));
         });
     }
 }

@@ -141,7 +141,7 @@ fn trace<S: Surface>(surface: &S, side: usize) -> f64 {
 fn distance(a: &Path, b: &Path) -> Result<Value, Box<dyn Error>> {
     let recipe = Recipe::default();
     let (a, b) = (picture::read(a, &recipe.reading())?.light, picture::read(b, &recipe.reading())?.light);
-    let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64));
+    let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64, &Progress::silent()));
     Ok(json!({ "w1_deg": w1, "seconds": seconds }))
 }
 
@@ -153,7 +153,7 @@ fn assignment(directory: &Path, cost_file: &Path) -> Result<Value, Box<dyn Error
     let place = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64);
     let cost: Vec<f64> = (0..n * n).map(|k| grid.slopes[k % n].to_vec().dot(place(k / n))).collect();
     write(cost_file, cost.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>())?;
-    let (order, seconds) = timed(|| cheapest_assignment(n, &cost));
+    let (order, seconds) = timed(|| cheapest_assignment(n, &cost, &Progress::silent()));
     let total: f64 = order.iter().enumerate().map(|(i, &j)| cost[i * n + j]).sum();
     let dome = || transport::dome(grid.slopes.clone(), columns, grid.rows, DVec2::ONE, &Progress::silent());
     let (_, arranging) = timed(dome);

@@ -15,6 +15,7 @@ use crate::export::shading::relief_picture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::recipe::Recipe;
 use crate::report::design::{DesignReport, made_of};
 use crate::report::text;
@@ -62,11 +63,20 @@ impl Product {
     }
 
     /// Hands every file of the output folder to `keep`, by name and content.
-    pub fn write<E>(
+    pub fn write<E: From<Cancelled>>(
         &self,
         picture: &Picture,
         keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
+        progress: &Progress,
     ) -> Result<(), E> {
+        progress.stage(Stage::Files);
+        let mut keep = |name, content: Content| {
+            progress.check()?;
+            let kept = keep(name, &mut |out| content(&mut Stoppable { out, progress }));
+            // What was cut short is no fault of the writer's.
+            progress.check()?;
+            kept
+        };
         let Self { recipe, design, .. } = self;
         let setup = &design.distribution.setup;
         keep("plate.stl", &mut |mut out| write_stl(&design.mesh, &mut out))?;
@@ -108,6 +118,23 @@ impl Product {
             light.phi,
             highlight.half_field
         )
+    }
+}
+
+/// A writer that fails once the work is abandoned.
+struct Stoppable<'a> {
+    out: &'a mut dyn Write,
+    progress: &'a Progress<'a>,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.progress.check().map_err(io::Error::other)?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }
 

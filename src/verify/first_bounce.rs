@@ -63,7 +63,7 @@ fn over_facets<S: Surface, C: Screen>(
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
             for sample in (part as u64..samples).step_by(PARTS) {
                 if (sample as usize / PARTS).is_multiple_of(4096) {
-                    if progress.is_cancelled() {
+                    if progress.is_abandoned() {
                         break;
                     }
                     if part == 0 {
@@ -120,7 +120,7 @@ fn closed_form<S: Surface, C: Screen>(
         let mut pixels = Pixels::new(screen);
         let mut tally = Tally::empty(screen.size());
         for k in part * facets / PARTS..(part + 1) * facets / PARTS {
-            if k % 65536 == 0 && progress.is_cancelled() {
+            if k % 65536 == 0 && progress.is_abandoned() {
                 break;
             }
             let flux = beams.of(k);

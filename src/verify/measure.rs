@@ -172,7 +172,7 @@ fn round<S: Surface, C: Screen>(
     } else {
         sent(experiment, screen, measuring, |_| true, progress)
     };
-    Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
+    Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
 }
 
 /// Rays of the distant lamp, those that first meet what `wanted` says, collected on `screen`.
@@ -219,7 +219,7 @@ pub(super) fn follow_all<S: Surface, L: FnMut(&mut End) -> Option<usize>>(
             let mut tally = Tally::empty(size);
             // Part k takes rows k, k + PARTS, … of the grid.
             for row in (part..rays.rows()).step_by(PARTS) {
-                if progress.is_cancelled() {
+                if progress.is_abandoned() {
                     break;
                 }
                 // One stream a row: neither threads nor the number of parts touch the bytes.

@@ -175,7 +175,7 @@ pub fn look<S: Surface>(
     let rows: Vec<Vec<[f64; 3]>> = (0..height)
         .into_par_iter()
         .map(|row| {
-            if progress.is_cancelled() {
+            if progress.is_abandoned() {
                 return Vec::new();
             }
             let stream = look.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
@@ -185,7 +185,7 @@ pub fn look<S: Surface>(
             pixels
         })
         .collect();
-    if progress.is_cancelled() {
+    if progress.is_abandoned() {
         return Err(RenderError::Cancelled);
     }
     let raster = |k: usize| Raster { width, height, values: rows.iter().flatten().map(|pixel| pixel[k]).collect() };

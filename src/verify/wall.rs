@@ -279,9 +279,9 @@ pub fn throw<S: Surface>(
             View::pixel_at(at? / wall.half_width, n, n).map(|(x, y)| y * n + x)
         };
         let parts = follow_all(experiment, &rays, (n, n), measuring, |_| true, || land, progress);
-        Measurement::of_parts(parts).filter(|_| !progress.is_cancelled())
+        Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
     };
-    let unlit = || if progress.is_cancelled() { WallError::Cancelled } else { WallError::Unlit };
+    let unlit = || if progress.is_abandoned() { WallError::Cancelled } else { WallError::Unlit };
     let measurement = until_error(measuring, round).ok_or_else(unlit)?;
     Ok(WallImage { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
 }

@@ -29,11 +29,13 @@ mod verify;
 mod design;
 
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Parser;
 
 use args::{Cli, Command};
 use console::report_failure;
+use interrupt::Run;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -46,16 +48,18 @@ fn main() -> ExitCode {
         Command::Measure(args) => &args.running,
     };
     let to_json = running.json;
+    let run = Arc::new(Run::default());
+    let interrupted = run.clone();
     // Without a handler Ctrl-C still ends the program, only less tidily.
-    let _ = ctrlc::set_handler(move || interrupt::arrived(to_json));
+    let _ = ctrlc::set_handler(move || interrupted.interrupted(to_json));
     if let Some(threads) = running.threads {
         // Fails only if a pool exists already, and none does yet.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
     let done = match &cli.command {
-        Command::Design(args) => design::run(args),
-        Command::Verify(args) => verify::run(args),
-        Command::Measure(args) => measure::run(args),
+        Command::Design(args) => design::run(args, &run),
+        Command::Verify(args) => verify::run(args, &run),
+        Command::Measure(args) => measure::run(args, &run),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,7 +5,7 @@ use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfSettings, write_bsdf};
 use facetmill::export::hemisphere_maps::hemisphere_maps;
 use facetmill::export::merl::{Merl, MerlError};
 use facetmill::export::polar_slices::{RadialScale, polar_slices};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{BrdfFacts, DirectionFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
@@ -55,13 +55,13 @@ pub fn measure(
     let lights = axes.slices();
     let rays = args.running.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
-    progress.stage("lighting the plate from all sides");
+    progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
         Failure::Impossible("light from some directions meets nothing of the plate: check units and orientation".into())
     })?;
     let (table, laws) = (&swept.table, swept.table.laws());
 
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let mut notes = Vec::new();
     let description =
         format!("facetmill: {} plate of {}", if bench.endless { "endless" } else { "finite" }, bench.material);

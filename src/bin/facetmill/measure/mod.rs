@@ -10,7 +10,7 @@ mod wall;
 
 use facetmill::brdf::material::Material;
 use facetmill::picture::{self, Reading};
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
 use facetmill::report::{PROGRAM, text};
@@ -20,8 +20,9 @@ use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
 
-use crate::console::{Failure, NEVER, Stages, Table, tell};
+use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
+use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
@@ -80,7 +81,7 @@ struct Outcome {
 }
 
 /// Does what `args` say.
-pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
@@ -93,11 +94,11 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
+    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {

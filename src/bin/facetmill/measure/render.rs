@@ -2,7 +2,7 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, view_page};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{Measured, ShapeFacts, ViewFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
@@ -67,9 +67,9 @@ pub fn measure(
         max_bounces: bench.measuring.max_bounces,
         seed: bench.measuring.seed,
     };
-    progress.stage("looking at the plate");
+    progress.stage(Stage::View);
     let view = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
     staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&view.radiance, out))?;

@@ -3,7 +3,7 @@
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, wall_page};
 use facetmill::job::pictures::rays;
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::recipe::Seen;
 use facetmill::report::measure::{Measured, WallFacts};
 use facetmill::trace::Surface;
@@ -49,9 +49,9 @@ pub fn measure(
         wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt),
         half_width,
     };
-    progress.stage("throwing light on the wall");
+    progress.stage(Stage::Wall);
     let image = bench.plate.run(WallTask { bench, settings, progress }).map_err(refused)?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
