@@ -76,7 +76,7 @@ pub fn measure(
     staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (radiance, error) = (mean(&view.radiance.values), mean(&view.errors.values));
-    let measured = Measured::Look(ViewFacts {
+    let measured = Measured::View(ViewFacts {
         camera_deg: [theta, phi],
         distance_mm: distance,
         field_of_view_deg: settings.field_of_view,
