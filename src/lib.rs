@@ -56,9 +56,10 @@
 //! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fourier`] and
 //!    [`descent`] are the two numerical tools that several stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
-//!    the image plane. [`setup`] ties light, image and plate together: which slope lights which point of the image.
-//!    [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
-//! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
+//!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
+//!    for its light at a place. [`setup`] ties light, image and plate together: which slope lights which point of the
+//!    image. [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
+//! 3. **Drawing.** [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
 //!    share of the plate's area. [`cutter`] is what it is to be cut with.
@@ -163,11 +164,13 @@ pub mod slope;
 
 pub mod projection;
 
+pub mod raster;
+
+pub mod lamp;
+
 pub mod setup;
 
 pub mod brdf;
-
-pub mod raster;
 
 pub mod picture;
 

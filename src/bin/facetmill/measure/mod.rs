@@ -9,6 +9,7 @@ mod render;
 mod wall;
 
 use facetmill::brdf::material::Material;
+use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
@@ -17,8 +18,7 @@ use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
+use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
@@ -60,15 +60,15 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
-    lamp: Lamp,
+    lamp: Extent,
     measuring: Measuring,
 }
 
 impl Bench {
     /// The plate's surface as it is to be lit.
     fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
-        let (material, lamp) = (self.material.clone(), self.lamp.clone());
-        Experiment { surface, setup: &self.setup, material, lamp }
+        let lamp = self.setup.lamp().with_extent(self.lamp.clone()).into();
+        Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
 
@@ -198,10 +198,10 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Fa
 /// From the middle of a picture-shaped lamp to its rim, degrees.
 const LAMP_HALF_FIELD: f64 = 5.0;
 
-fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
-    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
     let picture = picture::read(path, &Reading::default())?;
-    Lamp::picture(&picture.light, half_field.to_radians())
+    Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }
