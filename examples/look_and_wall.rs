@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use facetmill::export::picture::encode_png;
+use facetmill::export::pixels::encode_png;
 use facetmill::export::rendered_view::{Exposure, view_page, wall_page};
 use facetmill::job::design::design;
 use facetmill::picture::read;

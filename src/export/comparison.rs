@@ -3,16 +3,13 @@
 use glam::DVec2;
 use image::{Rgb, RgbImage};
 
-use super::lettering::{self, Align, Style};
-use super::picture::{common_white, diverging, fill, frame, tone_mapped};
+use super::lettering::{self, Align};
+use super::page::{LINE, NOTE, PAGE, Page, TEXT, Unit, pixel};
+use super::pixels::{common_white, diverging, tone_mapped};
 use super::ticks::{self, number, round_below};
 use crate::projection::View;
 use crate::raster::Raster;
 
-const PAGE: Rgb<u8> = Rgb([255; 3]);
-const TEXT: Rgb<u8> = Rgb([51; 3]);
-const NOTE: Rgb<u8> = Rgb([105; 3]);
-const LINE: Rgb<u8> = Rgb([120; 3]);
 /// Ends of the difference scale, shares of white: the smallest that holds nearly all of the difference is taken.
 const LIMITS: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 
@@ -70,7 +67,7 @@ impl ComparisonPage<'_> {
 
         let footer: Vec<&str> = self.captions.footer.lines().collect();
         let layout = Layout::new(side, !self.captions.heading.is_empty(), footer.len());
-        let mut page = RgbImage::from_pixel(layout.width as u32, layout.height as u32, PAGE);
+        let mut page = Page::new(layout.width, layout.height);
         for (k, raster) in [&target, &simulated].into_iter().enumerate() {
             let grey = tone_mapped(raster, white);
             layout.paint(&mut page, k, |x, y| Rgb([grey.get_pixel(x, y).0[0]; 3]));
@@ -83,7 +80,7 @@ impl ComparisonPage<'_> {
         layout.scale_bar(&mut page, self.view);
         layout.colour_bar(&mut page, limit);
         layout.page_words(&mut page, &self.captions.heading, &footer, &self.note());
-        page
+        page.image
     }
 
     /// How to read the panels.
@@ -135,7 +132,7 @@ struct Layout {
     /// Side of a panel.
     side: i64,
     /// One pixel of a page whose panels are 512 wide.
-    unit: f64,
+    unit: Unit,
     width: i64,
     height: i64,
     /// Left edges of the panels.
@@ -146,8 +143,8 @@ struct Layout {
 
 impl Layout {
     fn new(side: usize, heading: bool, footer_lines: usize) -> Self {
-        let (side, unit) = (side as i64, side as f64 / 512.0);
-        let px = |length: f64| (length * unit).round() as i64;
+        let (side, unit) = (side as i64, Unit(side as f64 / 512.0));
+        let px = |length| unit.px(length);
         let top = px(if heading { 130.0 } else { 78.0 });
         let pitch = side + px(64.0);
         let left = px(88.0);
@@ -158,11 +155,7 @@ impl Layout {
     }
 
     fn px(&self, length: f64) -> i64 {
-        (length * self.unit).round() as i64
-    }
-
-    fn hair(&self) -> i64 {
-        self.px(1.0).max(1)
+        self.unit.px(length)
     }
 
     /// Pixel offset within a panel of a position in [-1, 1] that grows with the pixels.
@@ -170,30 +163,19 @@ impl Layout {
         (((position + 1.0) * 0.5 * self.side as f64).round() as i64).min(self.side - 1)
     }
 
-    fn write(&self, page: &mut RgbImage, text: &str, at: (i64, i64), size: f64, align: Align, colour: Rgb<u8>) {
-        let style = Style { size: (size * self.unit) as f32, colour, align };
-        lettering::draw(page, text, (at.0 as f32, at.1 as f32), style);
-    }
-
-    /// Like `write`, within `room` pixels.
-    fn write_fitted(&self, page: &mut RgbImage, text: &str, at: (i64, i64), size: f64, room: i64, colour: Rgb<u8>) {
-        let (text, size) = lettering::fitted(text, (size * self.unit) as f32, room as f32);
-        lettering::draw(page, &text, (at.0 as f32, at.1 as f32), Style { size, colour, align: Align::Left });
-    }
-
-    fn paint(&self, page: &mut RgbImage, panel: usize, colour: impl Fn(u32, u32) -> Rgb<u8>) {
+    fn paint(&self, page: &mut Page, panel: usize, colour: impl Fn(u32, u32) -> Rgb<u8>) {
         let (left, top, side) = (self.lefts[panel] as u32, self.top as u32, self.side as u32);
         for y in 0..side {
             for x in 0..side {
-                page.put_pixel(left + x, top + y, colour(x, y));
+                page.image.put_pixel(left + x, top + y, colour(x, y));
             }
         }
-        frame(page, [self.lefts[panel], self.top, self.side, self.side], self.hair(), LINE);
+        page.frame([self.lefts[panel], self.top, self.side, self.side], self.unit.hair(), LINE);
     }
 
     /// Ticks at the left and lower edges; the labels of the left edge stand beside the first panel only.
-    fn scales(&self, page: &mut RgbImage, panel: usize, view: &View) {
-        let (left, bottom, hair) = (self.lefts[panel], self.top + self.side, self.hair());
+    fn scales(&self, page: &mut Page, panel: usize, view: &View) {
+        let (left, bottom, hair) = (self.lefts[panel], self.top + self.side, self.unit.hair());
         for (along, is_x) in [(DVec2::X, true), (DVec2::Y, false)] {
             let mut marks = ticks::ticks(view, along);
             // From the centre outward, labelled ones first: where a scale crowds, the middle stays legible.
@@ -207,13 +189,12 @@ impl Layout {
                 drawn.push(at);
                 let reach = self.px(if tick.labelled { 9.0 } else { 5.0 });
                 if is_x {
-                    fill(page, left + at - hair / 2, bottom + hair, hair, reach, LINE);
+                    page.fill([left + at - hair / 2, bottom + hair, hair, reach], LINE);
                 } else {
-                    fill(page, left - hair - reach, self.top + at - hair / 2, reach, hair, LINE);
+                    page.fill([left - hair - reach, self.top + at - hair / 2, reach, hair], LINE);
                 }
                 let label = format!("{}°", number(tick.angle));
-                let wide =
-                    if is_x { lettering::width(&label, (19.0 * self.unit) as f32) as i64 } else { self.px(18.0) };
+                let wide = if is_x { lettering::width(&label, self.unit.size(19.0)) as i64 } else { self.px(18.0) };
                 let (from, to) = (at - wide / 2 - self.px(4.0), at + wide / 2 + self.px(4.0));
                 let unlabelled = !tick.labelled || !is_x && panel > 0;
                 if unlabelled || taken.iter().any(|&(a, b)| from < b && a < to) {
@@ -221,69 +202,74 @@ impl Layout {
                 }
                 taken.push((from, to));
                 if is_x {
-                    self.write(page, &label, (left + at, bottom + self.px(30.0)), 19.0, Align::Centre, TEXT);
+                    page.write(
+                        &label,
+                        pixel(left + at, bottom + self.px(30.0)),
+                        self.unit.style(19.0, TEXT, Align::Centre),
+                    );
                 } else {
-                    let place = (left - self.px(16.0), self.top + at + self.px(7.0));
-                    self.write(page, &label, place, 19.0, Align::Right, TEXT);
+                    let place = pixel(left - self.px(16.0), self.top + at + self.px(7.0));
+                    page.write(&label, place, self.unit.style(19.0, TEXT, Align::Right));
                 }
             }
         }
     }
 
-    fn panel_words(&self, page: &mut RgbImage, panel: usize, title: &str, numbers: &str) {
+    fn panel_words(&self, page: &mut Page, panel: usize, title: &str, numbers: &str) {
         let left = self.lefts[panel];
-        self.write_fitted(page, title, (left, self.top - self.px(16.0)), 28.0, self.side, TEXT);
+        page.write_fitted(title, pixel(left, self.top - self.px(16.0)), self.unit.left(28.0, TEXT), self.side as f32);
         let below = self.top + self.side + self.px(68.0);
-        self.write_fitted(page, numbers, (left, below), 24.0, self.side + self.px(30.0), TEXT);
+        page.write_fitted(numbers, pixel(left, below), self.unit.left(24.0, TEXT), (self.side + self.px(30.0)) as f32);
     }
 
     /// A bar of a round angle across the centre's direction, drawn in the target's lower right corner.
-    fn scale_bar(&self, page: &mut RgbImage, view: &View) {
+    fn scale_bar(&self, page: &mut Page, view: &View) {
         let Some(degrees) = round_below(0.5 * view.half_field().to_degrees()) else { return };
         let half = 0.5 * degrees.to_radians();
         let ends = [-half, half].map(|a| ticks::position(view, DVec2::X, a));
         let [Some(from), Some(to)] = ends else { return };
         let length = ((to - from) * 0.5 * self.side as f64).round() as i64;
         let (right, y) = (self.lefts[0] + self.side - self.px(18.0), self.top + self.side - self.px(20.0));
-        let (thick, dark) = (self.px(3.0).max(2), self.hair());
+        let (thick, dark) = (self.px(3.0).max(2), self.unit.hair());
         let label = format!("{}°", number(degrees));
         let middle = right - length / 2;
         // A dark rim keeps bar and label legible on a bright highlight.
-        fill(page, right - length - dark, y - dark, length + 2 * dark, thick + 2 * dark, TEXT);
-        fill(page, right - length, y, length, thick, PAGE);
+        page.fill([right - length - dark, y - dark, length + 2 * dark, thick + 2 * dark], TEXT);
+        page.fill([right - length, y, length, thick], PAGE);
         for (dx, dy) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
-            let at = (middle + dx * dark, y - self.px(8.0) + dy * dark);
-            self.write(page, &label, at, 20.0, Align::Centre, TEXT);
+            let at = pixel(middle + dx * dark, y - self.px(8.0) + dy * dark);
+            page.write(&label, at, self.unit.style(20.0, TEXT, Align::Centre));
         }
-        self.write(page, &label, (middle, y - self.px(8.0)), 20.0, Align::Centre, PAGE);
+        page.write(&label, pixel(middle, y - self.px(8.0)), self.unit.style(20.0, PAGE, Align::Centre));
     }
 
-    fn colour_bar(&self, page: &mut RgbImage, limit: f64) {
-        let (left, wide) = (self.lefts[2] + self.side + self.px(20.0), self.px(18.0));
+    fn colour_bar(&self, page: &mut Page, limit: f64) {
+        let (left, wide, hair) = (self.lefts[2] + self.side + self.px(20.0), self.px(18.0), self.unit.hair());
         for y in 0..self.side {
             let t = 1.0 - (y as f64 + 0.5) / self.side as f64 * 2.0;
-            fill(page, left, self.top + y, wide, 1, diverging(t));
+            page.fill([left, self.top + y, wide, 1], diverging(t));
         }
-        frame(page, [left, self.top, wide, self.side], self.hair(), LINE);
+        page.frame([left, self.top, wide, self.side], hair, LINE);
         for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
             let y = self.top + self.along(-share);
             let sign = if share > 0.0 { "+" } else { "" };
-            fill(page, left + wide + self.hair(), y - self.hair() / 2, self.px(6.0), self.hair(), LINE);
+            page.fill([left + wide + hair, y - hair / 2, self.px(6.0), hair], LINE);
             let label = format!("{sign}{}%", number(100.0 * share * limit));
-            self.write(page, &label, (left + wide + self.px(12.0), y + self.px(7.0)), 19.0, Align::Left, TEXT);
+            let at = pixel(left + wide + self.px(12.0), y + self.px(7.0));
+            page.write(&label, at, self.unit.style(19.0, TEXT, Align::Left));
         }
     }
 
-    fn page_words(&self, page: &mut RgbImage, heading: &str, footer: &[&str], note: &str) {
+    fn page_words(&self, page: &mut Page, heading: &str, footer: &[&str], note: &str) {
         let left = self.lefts[0];
-        let room = self.width - 2 * left;
-        self.write_fitted(page, heading, (left, self.px(58.0)), 34.0, room, TEXT);
+        let room = (self.width - 2 * left) as f32;
+        page.write_fitted(heading, pixel(left, self.px(58.0)), self.unit.left(34.0, TEXT), room);
         let mut y = self.top + self.side + self.px(112.0);
         for line in footer.iter().take(8) {
-            self.write_fitted(page, line, (left, y), 21.0, room, TEXT);
+            page.write_fitted(line, pixel(left, y), self.unit.left(21.0, TEXT), room);
             y += self.px(30.0);
         }
-        self.write_fitted(page, note, (left, y), 18.0, room, NOTE);
+        page.write_fitted(note, pixel(left, y), self.unit.left(18.0, NOTE), room);
     }
 }
 

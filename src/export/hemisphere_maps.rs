@@ -5,21 +5,19 @@ use image::{Rgb, RgbImage};
 use rayon::prelude::*;
 
 use super::lettering::Align;
-use super::picture::{common_white, tone_mapped};
-use super::polar_slices::{plain, write, write_fitted};
-use super::stroke::stroke;
+use super::page::{GRID_ON_GREY, LAMP_DOT, NOTE, PAGE, Page, TEXT, Unit};
+use super::pixels::{common_white, tone_mapped};
+use super::polar_slices::short_number;
 use super::ticks::number;
 use crate::raster::Raster;
 use crate::slope::direction;
 use crate::verify::goniometer::table::BrdfTable;
 
-const PAGE: Rgb<u8> = Rgb([255; 3]);
-const TEXT: Rgb<u8> = Rgb([51; 3]);
-const NOTE: Rgb<u8> = Rgb([105; 3]);
-const RULE: Rgb<u8> = Rgb([96, 112, 140]);
-const LAMP: Rgb<u8> = Rgb([242, 170, 40]);
+/// Maps are drawn at one size only: their unit is the pixel.
+const UNIT: Unit = Unit(1.0);
 /// Side of a disc, pixels.
 const SIDE: usize = 256;
+/// From one disc to the next in its row, and the upper left corner of the first, pixels.
 const PITCH: usize = SIDE + 56;
 const LEFT: usize = 40;
 const TOP: usize = 96;
@@ -37,29 +35,29 @@ pub fn hemisphere_maps(table: &BrdfTable, lights: &[(f64, f64)], heading: &str) 
     let white = common_white(&Raster { width: all.len(), height: 1, values: all });
     let (across, down) = (lights.len().clamp(1, ACROSS), lights.len().div_ceil(ACROSS).max(1));
     let (width, height) = (2 * LEFT + across * PITCH - 56, TOP + down * (SIDE + 70) + 60);
-    let mut page = RgbImage::from_pixel(width as u32, height as u32, PAGE);
+    let mut page = Page::new(width as i64, height as i64);
     for (k, (disc, &(theta, phi))) in discs.iter().zip(lights).enumerate() {
         let (x, y) = (LEFT + k % ACROSS * PITCH, TOP + k / ACROSS * (SIDE + 70));
         let grey = tone_mapped(disc, white);
         for (column, row, pixel) in grey.enumerate_pixels() {
             if !disc.at(column as usize, row as usize).is_nan() {
-                page.put_pixel(x as u32 + column, y as u32 + row, Rgb([pixel.0[0]; 3]));
+                page.image.put_pixel(x as u32 + column, y as u32 + row, Rgb([pixel.0[0]; 3]));
             }
         }
         rings(&mut page, DVec2::new(x as f64, y as f64) + 0.5 * SIDE as f64, theta, phi);
         let rounded = |angle: f64| number((10.0 * angle.to_degrees()).round() / 10.0);
         let label = format!("light at {}°, azimuth {}°", rounded(theta), rounded(phi));
-        write(&mut page, &label, ((x + SIDE / 2) as f32, (y + SIDE + 34) as f32), 18.0, Align::Centre, TEXT);
+        page.write(&label, ((x + SIDE / 2) as f32, (y + SIDE + 34) as f32), UNIT.style(18.0, TEXT, Align::Centre));
     }
     let room = (width - 2 * LEFT) as f32;
-    write_fitted(&mut page, heading, (LEFT as f32, 46.0), 26.0, room, TEXT);
+    page.write_fitted(heading, (LEFT as f32, 46.0), UNIT.left(26.0, TEXT), room);
     let foot = (height - 50) as f32;
     let exposure =
-        format!("White is {} 1/sr in every disc, sRGB curve · orange: the light", plain(rounded_to_3(white)));
-    write_fitted(&mut page, &exposure, (LEFT as f32, foot), 18.0, room, NOTE);
+        format!("White is {} 1/sr in every disc, sRGB curve · orange: the light", short_number(rounded_to_3(white)));
+    page.write_fitted(&exposure, (LEFT as f32, foot), UNIT.left(18.0, NOTE), room);
     let reading = "Viewers seen from above, x right, y up; circles at 30°, 60° and the horizon (orthographic)";
-    write_fitted(&mut page, reading, (LEFT as f32, foot + 26.0), 18.0, room, NOTE);
-    page
+    page.write_fitted(reading, (LEFT as f32, foot + 26.0), UNIT.left(18.0, NOTE), room);
+    page.image
 }
 
 /// The BRDF over the disc of viewers; NaN outside the disc.
@@ -77,27 +75,27 @@ fn disc(table: &BrdfTable, light: DVec3) -> Raster {
     })
 }
 
-fn rings(page: &mut RgbImage, centre: DVec2, theta: f64, phi: f64) {
+fn rings(page: &mut Page, centre: DVec2, theta: f64, phi: f64) {
     let half = 0.5 * SIDE as f64;
     let ring = |radius: f64| -> Vec<DVec2> {
         (0..=180).map(|k| centre + radius * DVec2::from_angle(f64::from(2 * k).to_radians())).collect()
     };
     for (degrees, wide) in [(30.0f64, 0.7), (60.0, 0.7), (90.0, 1.4)] {
-        stroke(page, &ring(half * degrees.to_radians().sin()), wide, RULE);
+        page.stroke(&ring(half * degrees.to_radians().sin()), wide, GRID_ON_GREY);
     }
     for k in 0..12 {
         let toward = DVec2::from_angle(f64::from(30 * k).to_radians());
-        stroke(page, &[centre + half * toward, centre + (half + 5.0) * toward], 1.0, RULE);
+        page.stroke(&[centre + half * toward, centre + (half + 5.0) * toward], 1.0, GRID_ON_GREY);
     }
     for (degrees, at) in [(0, (half + 8.0, 5.0)), (90, (0.0, -half - 8.0))] {
         let at = centre + DVec2::new(at.0, at.1);
         let align = if degrees == 0 { Align::Left } else { Align::Centre };
-        write(page, &format!("{degrees}°"), (at.x as f32, at.y as f32), 14.0, align, NOTE);
+        page.write(&format!("{degrees}°"), (at.x as f32, at.y as f32), UNIT.style(14.0, NOTE, align));
     }
     let lamp = direction(theta, phi);
     let lamp = centre + half * DVec2::new(lamp.x, -lamp.y);
-    stroke(page, &[lamp, lamp], 9.0, PAGE);
-    stroke(page, &[lamp, lamp], 6.0, LAMP);
+    page.stroke(&[lamp, lamp], 9.0, PAGE);
+    page.stroke(&[lamp, lamp], 6.0, LAMP_DOT);
 }
 
 fn rounded_to_3(value: f64) -> f64 {
@@ -129,7 +127,7 @@ mod tests {
         assert!(map.at(0, 0).is_nan() && !map.at(128, 2).is_nan());
         let page = hemisphere_maps(&table, &[(0.6, 0.9); 5], "five");
         let lamp = (LEFT as f64 + 128.0 * (1.0 + light.x), TOP as f64 + 128.0 * (1.0 - light.y));
-        assert_eq!(page.get_pixel(lamp.0 as u32, lamp.1 as u32), &LAMP);
+        assert_eq!(page.get_pixel(lamp.0 as u32, lamp.1 as u32), &LAMP_DOT);
         assert_eq!(page.height() as usize, TOP + 2 * (SIDE + 70) + 60);
     }
 

@@ -8,9 +8,13 @@ pub mod sheet;
 
 pub mod stl;
 
-pub mod picture;
+pub mod pixels;
 
 pub mod lettering;
+
+mod stroke;
+
+mod page;
 
 pub mod ticks;
 
@@ -33,8 +37,6 @@ pub mod bsdf;
 pub mod merl;
 
 pub mod brdf_csv;
-
-mod stroke;
 
 pub mod polar_slices;
 

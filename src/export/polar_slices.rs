@@ -5,17 +5,12 @@ use std::f64::consts::PI;
 use glam::DVec2;
 use image::{Rgb, RgbImage};
 
-use super::lettering::{self, Align, Style};
-use super::stroke::stroke;
+use super::lettering::{self, Align};
+use super::page::{GRID, LINE, NOTE, Page, TEXT, Unit};
 use super::ticks::{number, round_below};
 use crate::slope::direction;
 use crate::verify::goniometer::table::BrdfTable;
 
-const PAGE: Rgb<u8> = Rgb([255; 3]);
-const TEXT: Rgb<u8> = Rgb([51; 3]);
-const NOTE: Rgb<u8> = Rgb([105; 3]);
-const RULE: Rgb<u8> = Rgb([222; 3]);
-const LINE: Rgb<u8> = Rgb([120; 3]);
 /// Curves, in the order of the angles; told apart in grey too.
 const CURVES: [Rgb<u8>; 7] = [
     Rgb([22, 64, 138]),
@@ -26,6 +21,9 @@ const CURVES: [Rgb<u8>; 7] = [
     Rgb([60, 160, 200]),
     Rgb([90, 90, 90]),
 ];
+/// The diagram is drawn at one size only: its unit is the pixel.
+const UNIT: Unit = Unit(1.0);
+/// Radius of the diagram, and its centre on the page, pixels.
 const RADIUS: f64 = 400.0;
 const CENTRE: DVec2 = DVec2::new(500.0, 560.0);
 /// Steps of a curve over 180°: a lobe of 0.2° is still drawn as one.
@@ -48,7 +46,7 @@ pub enum RadialScale {
 /// Light comes from the right half of the plane of incidence; viewers on the other side of the normal, where mirrors
 /// send it, are on the left. The small mark at the rim, in the curve's colour, is the light.
 pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialScale, heading: &str) -> RgbImage {
-    let mut page = RgbImage::from_pixel(1000, 720, PAGE);
+    let mut page = Page::new(1000, 720);
     let shown = &theta_i[..theta_i.len().min(CURVES.len())];
     let angle = |k: usize| (k as f64 / STEPS as f64 - 0.5) * PI;
     let curves: Vec<Vec<f64>> = shown
@@ -68,16 +66,16 @@ pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialS
     grid(&mut page, rim, scale);
     for ((curve, colour), theta) in curves.iter().zip(CURVES).zip(shown) {
         let points: Vec<DVec2> = curve.iter().enumerate().map(|(k, value)| place(*value, angle(k))).collect();
-        stroke(&mut page, &points, 2.4, colour);
+        page.stroke(&points, 2.4, colour);
         let toward = DVec2::new(theta.sin(), -theta.cos());
-        stroke(&mut page, &[CENTRE + (RADIUS - 8.0) * toward, CENTRE + (RADIUS + 8.0) * toward], 5.0, colour);
+        page.stroke(&[CENTRE + (RADIUS - 8.0) * toward, CENTRE + (RADIUS + 8.0) * toward], 5.0, colour);
     }
-    write_fitted(&mut page, heading, (40.0, 46.0), 26.0, 920.0, TEXT);
+    page.write_fitted(heading, (40.0, 46.0), UNIT.left(26.0, TEXT), 920.0);
     let mut x = 40.0;
     for (theta, colour) in shown.iter().zip(CURVES) {
         let label = format!("θi {}°", number((10.0 * theta.to_degrees()).round() / 10.0));
-        stroke(&mut page, &[DVec2::new(x, 79.0), DVec2::new(x + 26.0, 79.0)], 4.0, colour);
-        write(&mut page, &label, (x as f32 + 34.0, 85.0), 18.0, Align::Left, TEXT);
+        page.stroke(&[DVec2::new(x, 79.0), DVec2::new(x + 26.0, 79.0)], 4.0, colour);
+        page.write(&label, (x as f32 + 34.0, 85.0), UNIT.style(18.0, TEXT, Align::Left));
         x += 60.0 + f64::from(lettering::width(&label, 18.0));
     }
     let scale = match scale {
@@ -87,9 +85,9 @@ pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialS
     let around = number((10.0 * phi.to_degrees()).round() / 10.0);
     let note =
         format!("BRDF in 1/sr over the viewer's angle in the plane of incidence, azimuth {around}° · scale {scale}");
-    write_fitted(&mut page, &note, (40.0, 676.0), 18.0, 920.0, NOTE);
-    write_fitted(&mut page, "The light comes from the bold mark of each colour", (40.0, 702.0), 18.0, 920.0, NOTE);
-    page
+    page.write_fitted(&note, (40.0, 676.0), UNIT.left(18.0, NOTE), 920.0);
+    page.write_fitted("The light comes from the bold mark of each colour", (40.0, 702.0), UNIT.left(18.0, NOTE), 920.0);
+    page.image
 }
 
 /// The value at the rim: the smallest of 1, 2, 4, 5 × 10^k not below the greatest value, or its power of ten.
@@ -103,22 +101,22 @@ fn rim(greatest: f64, scale: RadialScale) -> f64 {
     }
 }
 
-fn grid(page: &mut RgbImage, rim: f64, scale: RadialScale) {
+fn grid(page: &mut Page, rim: f64, scale: RadialScale) {
     let arc = |radius: f64| -> Vec<DVec2> {
         (0..=180).map(|k| CENTRE + radius * DVec2::from_angle(-PI * f64::from(k) / 180.0)).collect()
     };
     for k in 1..=4 {
-        stroke(page, &arc(RADIUS * f64::from(k) / 4.0), 1.0, if k == 4 { LINE } else { RULE });
+        page.stroke(&arc(RADIUS * f64::from(k) / 4.0), 1.0, if k == 4 { LINE } else { GRID });
     }
     for degrees in (-90i32..=90).step_by(15) {
         let angle = f64::from(degrees).to_radians();
         let toward = DVec2::new(angle.sin(), -angle.cos());
-        stroke(page, &[CENTRE, CENTRE + (RADIUS + 6.0) * toward], 1.0, if degrees.abs() == 90 { LINE } else { RULE });
+        page.stroke(&[CENTRE, CENTRE + (RADIUS + 6.0) * toward], 1.0, if degrees.abs() == 90 { LINE } else { GRID });
         if degrees % 30 == 0 {
             let at = CENTRE + (RADIUS + 24.0) * toward;
             let align = [Align::Right, Align::Centre, Align::Left][(degrees.signum() + 1) as usize];
             let at = (at.x as f32 - 8.0 * degrees.signum() as f32, at.y as f32 + 6.0);
-            write(page, &format!("{}°", number(f64::from(degrees))), at, 18.0, align, TEXT);
+            page.write(&format!("{}°", number(f64::from(degrees))), at, UNIT.style(18.0, TEXT, align));
         }
     }
     for k in 0..=4 {
@@ -128,28 +126,23 @@ fn grid(page: &mut RgbImage, rim: f64, scale: RadialScale) {
             RadialScale::Logarithmic => rim * 10f64.powf(DECADES * (share - 1.0)),
         };
         let at = CENTRE + DVec2::new(RADIUS * share, 0.0);
-        stroke(page, &[at, at + DVec2::new(0.0, 6.0)], 1.0, LINE);
-        write(page, &plain(value), (at.x as f32, at.y as f32 + 26.0), 17.0, Align::Centre, TEXT);
+        page.stroke(&[at, at + DVec2::new(0.0, 6.0)], 1.0, LINE);
+        page.write(&short_number(value), (at.x as f32, at.y as f32 + 26.0), UNIT.style(17.0, TEXT, Align::Centre));
     }
-    write(page, "1/sr", (CENTRE.x as f32 + 0.5 * RADIUS as f32, CENTRE.y as f32 + 52.0), 17.0, Align::Centre, NOTE);
+    page.write(
+        "1/sr",
+        (CENTRE.x as f32 + 0.5 * RADIUS as f32, CENTRE.y as f32 + 52.0),
+        UNIT.style(17.0, NOTE, Align::Centre),
+    );
 }
 
 /// A value of a scale in as few signs as it takes.
-pub(super) fn plain(value: f64) -> String {
+pub(super) fn short_number(value: f64) -> String {
     if value == 0.0 || (0.001..100_000.0).contains(&value) {
         number((value * 1000.0).round() / 1000.0)
     } else {
         format!("{value:.0e}").replace('-', "−")
     }
-}
-
-pub(super) fn write(page: &mut RgbImage, text: &str, at: (f32, f32), size: f32, align: Align, colour: Rgb<u8>) {
-    lettering::draw(page, text, at, Style { size, colour, align });
-}
-
-pub(super) fn write_fitted(page: &mut RgbImage, text: &str, at: (f32, f32), size: f32, room: f32, colour: Rgb<u8>) {
-    let (text, size) = lettering::fitted(text, size, room);
-    lettering::draw(page, &text, at, Style { size, colour, align: Align::Left });
 }
 
 #[cfg(test)]
@@ -196,7 +189,7 @@ mod tests {
     fn scales_are_round_and_nothing_panics() {
         let rims = [0.4, 1.0, 0.26, 7.0, 0.0, f64::NAN].map(|v| rim(v, RadialScale::Linear));
         assert!(rims.iter().zip([0.4, 1.0, 0.4, 10.0, 1.0, 1.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{rims:?}");
-        assert_eq!([0.25, 0.0, 1000.0, 2e-5].map(plain), ["0.25", "0", "1000", "2e−5"]);
+        assert_eq!([0.25, 0.0, 1000.0, 2e-5].map(short_number), ["0.25", "0", "1000", "2e−5"]);
         for scale in [RadialScale::Linear, RadialScale::Logarithmic] {
             let black = polar_slices(&table(|_, _| 0.0), &[0.1; 9], 0.3, scale, &"long heading ".repeat(50));
             assert_eq!(black.dimensions(), (1000, 720));

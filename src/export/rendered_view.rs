@@ -1,19 +1,15 @@
-//! What a person sees, as pages: the plate before the camera and the reflection on the wall, with exposure and scale.
+//! Pages for what a camera sees of the plate and for the reflection on a wall, with exposure and scale.
 
-use image::{GrayImage, Rgb, RgbImage};
+use image::{GrayImage, Luma, Rgb, RgbImage};
 
 use super::comparison::{enlarged, panel_side};
-use super::lettering::{self, Align, Style};
-use super::picture::{common_white, fill, frame, tone_mapped};
+use super::lettering::{Align, Style};
+use super::page::{LINE, NOTE, Page, TEXT, Unit, pixel};
+use super::pixels::{common_white, tone_mapped};
 use super::ticks::{number, round_below};
 use crate::raster::Raster;
 use crate::verify::render::{RenderedView, Shape, ViewSettings};
 use crate::verify::wall::{WallImage, WallSettings};
-
-const PAGE: Rgb<u8> = Rgb([255; 3]);
-const TEXT: Rgb<u8> = Rgb([51; 3]);
-const NOTE: Rgb<u8> = Rgb([105; 3]);
-const LINE: Rgb<u8> = Rgb([120; 3]);
 
 /// How such a page is made.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,48 +37,50 @@ impl Exposure {
 }
 
 /// The camera's picture with its exposure; few pixels are shown as whole blocks.
-pub fn view_page(sight: &RenderedView, look: &ViewSettings, exposure: &Exposure) -> RgbImage {
-    let raster = exposure.turned(&sight.radiance);
+pub fn view_page(view: &RenderedView, settings: &ViewSettings, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&view.radiance);
     let white = exposure.white(&raster);
     let times = 384usize.div_ceil(raster.width.max(raster.height).max(1)).max(1) as u32;
     let grey = tone_mapped(&raster, white);
     let grey =
         GrayImage::from_fn(grey.width() * times, grey.height() * times, |x, y| *grey.get_pixel(x / times, y / times));
-    let worn = match look.shape {
+    let what = match settings.shape {
         Shape::Flat => "plate".to_owned(),
         Shape::Sphere { radius } => format!("ball of radius {} mm", number(radius)),
         Shape::Cylinder { radius } => format!("cylinder of radius {} mm", number(radius)),
     };
-    let [theta, phi, away, across] = [look.theta, look.phi, look.distance, look.field_of_view].map(number);
+    let [theta, phi, away, across] =
+        [settings.theta, settings.phi, settings.distance, settings.field_of_view].map(number);
     let notes = [
         format!(
-            "{worn} from {away} mm at {theta}°, {phi}° · {across}° across · surroundings {}/sr",
-            digits(look.ambient)
+            "{what} from {away} mm at {theta}°, {phi}° · {across}° across · surroundings {}/sr",
+            digits(settings.ambient)
         ),
         format!("white is {}/sr under a lamp of irradiance 1 · sRGB, no other curve", digits(white)),
     ];
-    Page::new(&grey, &exposure.heading, &notes, false).image
+    Framed::new(&grey, &exposure.heading, &notes, false).page.image
 }
 
 /// The wall's picture with a scale in mm along its edges, its exposure, and what the distances blur.
-pub fn wall_page(thrown: &WallImage, throw: &WallSettings, exposure: &Exposure) -> RgbImage {
-    let raster = exposure.turned(&thrown.irradiance());
+pub fn wall_page(wall: &WallImage, settings: &WallSettings, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(&wall.irradiance());
     let white = exposure.white(&raster);
     let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
-    let lamp = if throw.lamp_distance.is_finite() {
-        format!("lamp of radius {} mm at {} mm", number(throw.lamp_radius), number(throw.lamp_distance))
+    let lamp = if settings.lamp_distance.is_finite() {
+        format!("lamp of radius {} mm at {} mm", number(settings.lamp_radius), number(settings.lamp_distance))
     } else {
         "distant lamp".to_owned()
     };
-    let wall = number(throw.wall_distance);
-    let tilt = if throw.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(throw.wall_tilt)) };
-    let blur = &thrown.blur;
+    let away = number(settings.wall_distance);
+    let tilt =
+        if settings.wall_tilt == 0.0 { String::new() } else { format!(" tilted by {}°", number(settings.wall_tilt)) };
+    let blur = &wall.blur;
     let [pu, pv, lu, lv] = [blur.plate.x, blur.plate.y, blur.lamp.x, blur.lamp.y].map(digits);
     let [a, b] = [blur.plate_angle.max_element(), blur.lamp_angle].map(|angle| digits(angle.to_degrees()));
-    let [(landed, error), ..] = thrown.shares();
+    let [(landed, error), ..] = wall.shares();
     let side = if exposure.mirrored { "seen from the plate" } else { "as the highlight image" };
     let notes = [
-        format!("wall at {wall} mm{tilt}, {side} · {lamp} · scale in mm"),
+        format!("wall at {away} mm{tilt}, {side} · {lamp} · scale in mm"),
         format!("blurred by the plate over {pu} × {pv} mm ({a}°) · by the lamp over {lu} × {lv} mm ({b}°)"),
         format!(
             "white is {} × the irradiance on the plate · {:.2} ± {:.2} % of its light lands here",
@@ -91,9 +89,9 @@ pub fn wall_page(thrown: &WallImage, throw: &WallSettings, exposure: &Exposure) 
             100.0 * error
         ),
     ];
-    let mut page = Page::new(&grey, &exposure.heading, &notes, true);
-    page.scales(thrown.half_width, exposure.mirrored);
-    page.image
+    let mut framed = Framed::new(&grey, &exposure.heading, &notes, true);
+    framed.scales(wall.half_width, exposure.mirrored);
+    framed.page.image
 }
 
 /// Three digits, however large or small.
@@ -116,48 +114,46 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// A picture on paper: heading above, notes below, room for scales where there are any.
-struct Page {
-    image: RgbImage,
+/// A grey picture on its page: heading above, notes below, room for scales where there are any.
+struct Framed {
+    page: Page,
+    /// The picture's upper left pixel on the page, and its size.
     left: i64,
     top: i64,
     width: i64,
     height: i64,
-    unit: f64,
+    unit: Unit,
 }
 
-impl Page {
+impl Framed {
     fn new(grey: &GrayImage, heading: &str, notes: &[String], scaled: bool) -> Self {
         let (width, height) = (i64::from(grey.width()), i64::from(grey.height()));
-        let unit = (width.max(height) as f64 / 512.0).max(0.75);
-        let px = |length: f64| (length * unit).round() as i64;
+        let unit = Unit((width.max(height) as f64 / 512.0).max(0.75));
+        let px = |length| unit.px(length);
         let top = px(if heading.is_empty() { 28.0 } else { 62.0 });
         let left = px(if scaled { 92.0 } else { 28.0 });
         let below = top + height + px(if scaled { 76.0 } else { 38.0 });
         let total = (left + width + px(34.0)).max(px(620.0));
-        let tall = below + notes.len() as i64 * px(26.0);
-        let mut image = RgbImage::from_pixel(total as u32, tall as u32, PAGE);
-        for (x, y, pixel) in grey.enumerate_pixels() {
-            image.put_pixel(left as u32 + x, top as u32 + y, Rgb([pixel.0[0]; 3]));
-        }
-        frame(&mut image, [left, top, width, height], px(1.0).max(1), LINE);
-        let mut page = Self { image, left, top, width, height, unit };
-        page.write(heading, top - px(18.0), 26.0, TEXT);
+        let mut page = Page::new(total, below + notes.len() as i64 * px(26.0));
+        page.put(grey, (left, top), |Luma([value])| Rgb([value; 3]));
+        page.frame([left, top, width, height], unit.hair(), LINE);
+        let mut framed = Self { page, left, top, width, height, unit };
+        framed.write(heading, top - px(18.0), unit.left(26.0, TEXT));
         for (k, note) in notes.iter().enumerate() {
-            page.write(note, below + k as i64 * px(26.0), 17.0, NOTE);
+            framed.write(note, below + k as i64 * px(26.0), unit.left(17.0, NOTE));
         }
-        page
+        framed
     }
 
     fn px(&self, length: f64) -> i64 {
-        (length * self.unit).round() as i64
+        self.unit.px(length)
     }
 
-    fn write(&mut self, text: &str, y: i64, size: f64, colour: Rgb<u8>) {
+    /// A line of text with its baseline at `y`, from margin to margin at the most.
+    fn write(&mut self, text: &str, y: i64, style: Style) {
         let left = self.px(28.0);
-        let room = i64::from(self.image.width()) - 2 * left + self.px(14.0);
-        let (text, size) = lettering::fitted(text, (size * self.unit) as f32, room as f32);
-        lettering::draw(&mut self.image, &text, (left as f32, y as f32), Style { size, colour, align: Align::Left });
+        let room = i64::from(self.page.image.width()) - 2 * left + self.px(14.0);
+        self.page.write_fitted(text, pixel(left, y), style, room as f32);
     }
 
     /// Ticks in mm along the lower and the left edge, 0 in the middle; `mirrored` counts u from right to left.
@@ -165,9 +161,8 @@ impl Page {
         let Some(step) = round_below(half_width / 2.0) else { return };
         let lead = step / 10f64.powf(step.log10().floor());
         let minor = if (lead - 2.0).abs() < 0.1 { 4 } else { 5 };
-        let hair = self.px(1.0).max(1);
+        let hair = self.unit.hair();
         let most = (half_width / step * f64::from(minor) + 1e-9) as i64;
-        let size = (18.0 * self.unit) as f32;
         for k in -most..=most {
             let labelled = k % i64::from(minor) == 0;
             let at = k as f64 / f64::from(minor) * step;
@@ -177,15 +172,13 @@ impl Page {
             let x = self.left + along(self.width, if mirrored { -at } else { at });
             let y = self.top + along(self.height, -at);
             let bottom = self.top + self.height;
-            fill(&mut self.image, x - hair / 2, bottom + hair, hair, reach, LINE);
-            fill(&mut self.image, self.left - hair - reach, y - hair / 2, reach, hair, LINE);
+            self.page.fill([x - hair / 2, bottom + hair, hair, reach], LINE);
+            self.page.fill([self.left - hair - reach, y - hair / 2, reach, hair], LINE);
             if labelled {
                 let label = if at.abs() < 1e6 { number(at) } else { digits(at) };
-                let style = Style { size, colour: TEXT, align: Align::Centre };
-                let place = (x as f32, (bottom + self.px(30.0)) as f32);
-                lettering::draw(&mut self.image, &label, place, style);
-                let place = ((self.left - self.px(14.0)) as f32, (y + self.px(6.0)) as f32);
-                lettering::draw(&mut self.image, &label, place, Style { align: Align::Right, ..style });
+                let style = |align| self.unit.style(18.0, TEXT, align);
+                self.page.write(&label, pixel(x, bottom + self.px(30.0)), style(Align::Centre));
+                self.page.write(&label, pixel(self.left - self.px(14.0), y + self.px(6.0)), style(Align::Right));
             }
         }
     }
@@ -196,6 +189,7 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::export::page::PAGE;
     use crate::verify::tally::{Measurement, Tally};
     use crate::verify::wall::WallBlur;
 
@@ -239,15 +233,15 @@ mod tests {
     #[test]
     fn the_stated_white_is_what_is_shown_white() {
         let raster = Raster::from_fn(20, 10, |x, _| x as f64);
-        let sight = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
+        let view = RenderedView { errors: raster.clone(), trapped: raster.clone(), radiance: raster };
         let look = ViewSettings { size: [20, 10], ..ViewSettings::default() };
         let exposure = Exposure { white: Some(10.0), ..Exposure::default() };
-        let page = view_page(&sight, &look, &exposure);
+        let page = view_page(&view, &look, &exposure);
         // Twenty pixels of 20 become 400; the margin is 28 · 400/512.
         let at = |column: u32| page.get_pixel(22 + 20 * column + 10, 22 + 100).0[0];
         assert!(at(10) == 255 && at(19) == 255 && at(9) < 255 && at(9) > 230 && at(0) == 0);
         for white in [Some(0.0), Some(f64::NAN), None] {
-            let page = view_page(&sight, &look, &Exposure { white, ..Exposure::default() });
+            let page = view_page(&view, &look, &Exposure { white, ..Exposure::default() });
             assert_eq!(page.get_pixel(22 + 20 * 19 + 10, 122).0[0], 255);
         }
         let black =

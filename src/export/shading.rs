@@ -5,16 +5,16 @@ use image::{Rgb, RgbImage};
 use rayon::prelude::*;
 
 use super::heightmap::{interval, pixel_counts};
-use super::lettering::{self, Align, Style};
-use super::picture::{byte, fill, frame, srgb_encoded};
+use super::page::{PLAN_LINE, Page, TEXT, Unit, pixel};
+use super::pixels::{byte, srgb_encoded};
 use super::ticks::{number, round_below};
 use crate::relief::faceted::FacetedRelief;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;
-/// Toward the lamp of the drawing: upper left, as maps are shaded.
-const LAMP: DVec3 = DVec3::new(-0.54, 0.54, 0.645_6);
-/// Light that comes from everywhere.
+/// Unit vector toward the lamp of the plan: from the upper left, as maps are shaded.
+const TOWARD_LAMP: DVec3 = DVec3::new(-0.54, 0.54, 0.645_6);
+/// Brightness of a face turned away from the lamp, as a share of the full brightness.
 const AMBIENT: f64 = 0.08;
 /// Slope at which the steepest facets are to be shown.
 const SHOWN_SLOPE: f64 = 0.75;
@@ -25,9 +25,6 @@ const LOW: DVec3 = DVec3::new(0.50, 0.58, 0.70);
 const HIGH: DVec3 = DVec3::new(1.0, 0.96, 0.89);
 /// How much of the light a hairline between facets takes at most, where facets are many pixels wide.
 const HAIRLINE: f64 = 0.16;
-const PAGE: Rgb<u8> = Rgb([255; 3]);
-const TEXT: Rgb<u8> = Rgb([51; 3]);
-const LINE: Rgb<u8> = Rgb([110; 3]);
 
 /// A shaded plan of the whole relief, rim included, with a scale bar and a caption that names what it is `made_of`; +y is
 /// up.
@@ -41,45 +38,35 @@ pub fn relief_picture(relief: &FacetedRelief, made_of: &str, pixels: usize) -> R
     let size = (high - low).truncate();
     let [width, height] = pixel_counts(size, pixels.clamp(16, 8192));
     let exaggeration = exaggeration(relief);
-    let plan = Plan { relief, low, high, exaggeration, pixel: size.x / f64::from(width) };
-    let rows: Vec<Vec<Rgb<u8>>> = (0..height)
-        .into_par_iter()
-        .map(|row| (0..width).map(|column| plan.pixel(column, row, width, height)).collect())
-        .collect();
-
-    let unit = (f64::from(width.max(height)) / 900.0).max(0.6);
-    let px = |length: f64| (length * unit).round() as i64;
-    let margin = px(40.0);
+    let plan = ShadedPlan { relief, low, high, exaggeration, pixel: size.x / f64::from(width) };
+    let unit = Unit((f64::from(width.max(height)) / 900.0).max(0.6));
+    let margin = unit.px(40.0);
+    let (wide, tall) = (i64::from(width), i64::from(height));
     // A narrow plate still leaves room for its caption.
-    let page_width = (i64::from(width) + 2 * margin).max(px(560.0));
-    let foot = px(100.0);
-    let left = margin;
-    let bottom = margin + i64::from(height);
-    let mut page = RgbImage::from_pixel(page_width as u32, (bottom + foot) as u32, PAGE);
-    for (r, row) in rows.iter().enumerate() {
-        for (c, colour) in row.iter().enumerate() {
-            page.put_pixel(left as u32 + c as u32, (margin + r as i64) as u32, *colour);
-        }
-    }
-    frame(&mut page, [left, margin, i64::from(width), i64::from(height)], px(1.0).max(1), LINE);
+    let page_width = (wide + 2 * margin).max(unit.px(560.0));
+    let bottom = margin + tall;
+    let mut page = Page::new(page_width, bottom + unit.px(100.0));
+    page.put(&plan.picture(width, height), (margin, margin), |colour| colour);
+    page.frame([margin, margin, wide, tall], unit.hair(), PLAN_LINE);
+    scale_bar(&mut page, unit, (margin, bottom + unit.px(34.0)), width, size.x);
+    let room = (page_width - margin - margin / 2) as f32;
+    let text = caption(relief, made_of, exaggeration);
+    page.write_fitted(&text, pixel(margin, bottom + unit.px(78.0)), unit.left(22.0, TEXT), room);
+    page.image
+}
 
-    let text_size = (22.0 * unit) as f32;
-    if let Some(bar) = round_below(0.22 * size.x) {
-        let length = (bar / size.x * f64::from(width)).round() as i64;
-        let (thick, tall) = (px(2.0).max(1), px(12.0));
-        let y = bottom + px(34.0);
-        fill(&mut page, left, y, length, thick, TEXT);
-        fill(&mut page, left, y - tall / 2, thick, tall + thick, TEXT);
-        fill(&mut page, left + length - thick, y - tall / 2, thick, tall + thick, TEXT);
-        let style = Style { size: text_size, colour: TEXT, align: Align::Left };
-        let at = ((left + length + px(12.0)) as f32, y as f32 + 0.35 * text_size);
-        lettering::draw(&mut page, &length_text(bar), at, style);
-    }
-    let room = (page_width - left - margin / 2) as f32;
-    let (text, text_size) = lettering::fitted(&caption(relief, made_of, exaggeration), text_size, room);
-    let style = Style { size: text_size, colour: TEXT, align: Align::Left };
-    lettering::draw(&mut page, &text, (left as f32, (bottom + px(78.0)) as f32), style);
-    page
+/// A bar of a round length from the pixel (`left`, `y`) on, its length beside it, under a plan `width` pixels and
+/// `width_mm` wide.
+fn scale_bar(page: &mut Page, unit: Unit, (left, y): (i64, i64), width: u32, width_mm: f64) {
+    let Some(bar) = round_below(0.22 * width_mm) else { return };
+    let length = (bar / width_mm * f64::from(width)).round() as i64;
+    let (thick, tall) = (unit.px(2.0).max(1), unit.px(12.0));
+    page.fill([left, y, length, thick], TEXT);
+    page.fill([left, y - tall / 2, thick, tall + thick], TEXT);
+    page.fill([left + length - thick, y - tall / 2, thick, tall + thick], TEXT);
+    let style = unit.left(22.0, TEXT);
+    let at = ((left + length + unit.px(12.0)) as f32, y as f32 + 0.35 * style.size);
+    page.write(&length_text(bar), at, style);
 }
 
 /// What stands under the picture: size, relief height, parts, and how much the slopes are exaggerated.
@@ -124,8 +111,8 @@ fn exaggeration(relief: &FacetedRelief) -> f64 {
     [8.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.5, 1.0].map(|m| m * decade).into_iter().find(|k| *k <= wanted).unwrap_or(1.0)
 }
 
-/// The plate as a function from points to colours.
-struct Plan<'a> {
+/// What the colour of a point of the plate is computed from.
+struct ShadedPlan<'a> {
     relief: &'a FacetedRelief,
     low: DVec3,
     high: DVec3,
@@ -134,7 +121,16 @@ struct Plan<'a> {
     pixel: f64,
 }
 
-impl Plan<'_> {
+impl ShadedPlan<'_> {
+    /// All of the plan, `width` × `height` pixels.
+    fn picture(&self, width: u32, height: u32) -> RgbImage {
+        let rows: Vec<Vec<Rgb<u8>>> = (0..height)
+            .into_par_iter()
+            .map(|row| (0..width).map(|column| self.pixel(column, row, width, height)).collect())
+            .collect();
+        RgbImage::from_fn(width, height, |x, y| rows[y as usize][x as usize])
+    }
+
     fn pixel(&self, column: u32, row: u32, width: u32, height: u32) -> Rgb<u8> {
         let pixels = DVec2::new(f64::from(width), f64::from(height));
         let mut sum = DVec3::ZERO;
@@ -158,7 +154,7 @@ impl Plan<'_> {
         let normal = self.wall(i, j, at).unwrap_or((-slope).extend(1.0)).normalize();
         let range = self.high.z - self.low.z;
         let rise = if range > 0.0 { ((z - self.low.z) / range).clamp(0.0, 1.0) } else { 1.0 };
-        let lit = AMBIENT + (1.0 - AMBIENT) * normal.dot(LAMP).max(0.0);
+        let lit = AMBIENT + (1.0 - AMBIENT) * normal.dot(TOWARD_LAMP).max(0.0);
         LOW.lerp(HIGH, rise) * lit * (1.0 - self.hairline(i, j, at))
     }
 
@@ -204,6 +200,7 @@ impl Plan<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::export::page::PAGE;
     use crate::relief::faceted::Facet;
     use crate::slope::Slope;
 
@@ -215,9 +212,9 @@ mod tests {
         p.0.iter().map(|v| u32::from(*v)).sum()
     }
 
-    fn plan(relief: &FacetedRelief) -> Plan<'_> {
+    fn plan(relief: &FacetedRelief) -> ShadedPlan<'_> {
         let (low, high) = relief.bounds();
-        Plan { relief, low, high, exaggeration: exaggeration(relief), pixel: 0.01 }
+        ShadedPlan { relief, low, high, exaggeration: exaggeration(relief), pixel: 0.01 }
     }
 
     #[test]

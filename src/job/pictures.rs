@@ -3,7 +3,7 @@
 use image::{GrayImage, RgbImage};
 
 use crate::export::comparison::{Captions, ComparisonPage};
-use crate::export::picture::{common_white, tone_mapped};
+use crate::export::pixels::{common_white, tone_mapped};
 use crate::job::proof::Proof;
 use crate::projection::View;
 use crate::raster::Raster;

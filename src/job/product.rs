@@ -11,7 +11,7 @@ use super::pictures::{ProofPictures, target_picture};
 use super::proof::Proof;
 use super::report::report;
 use crate::export::heightmap::height_map;
-use crate::export::picture::encode_png;
+use crate::export::pixels::encode_png;
 use crate::export::shading::relief_picture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;

@@ -78,7 +78,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         // The triangles themselves, as they stand in the file.
         Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
     })?;
-    let made = design.sheet.as_ref().map(|sheet| Made::of(recipe, sheet));
+    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, sheet));
     let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
     let milled = match send_over_milled(recipe, design, made.as_ref(), mirrored)? {
         None => None,
@@ -91,14 +91,14 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
 }
 
 /// A sheet as it is made.
-struct Made {
+struct CutSheet {
     /// One cell, after cutter and polish; as written, if it was not designed for them.
     relief: PeriodicRelief,
     /// The most that the cutter stays above the written surface, mm.
     left: f64,
 }
 
-impl Made {
+impl CutSheet {
     fn of(recipe: &Recipe, sheet: &Sheet) -> Self {
         let relief = &sheet.relief;
         let (cut, left) = match recipe.design.cutter {
@@ -128,7 +128,7 @@ impl Made {
 fn send_over_milled(
     recipe: &Recipe,
     design: &Design,
-    made: Option<&Made>,
+    made: Option<&CutSheet>,
     mirrored: Mirrored,
 ) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
     let cutter = recipe.design.cutter;

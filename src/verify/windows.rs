@@ -135,7 +135,7 @@ impl FirstBounce {
     pub fn new(relief: &PeriodicRelief, setup: &Setup, resolution: (usize, usize)) -> Self {
         let n = relief.nodes;
         let (step, l) = (relief.step(), setup.light());
-        let glint = |[p, q]: [f64; 2]| {
+        let light_of = |[p, q]: [f64; 2]| {
             let slope = Slope::new(relief.tilt.p + p / step.x, relief.tilt.q + q / step.y);
             // All triangles have the same footprint.
             let light = slope.intercept(l).max(0.0) as f32;
@@ -150,9 +150,9 @@ impl FirstBounce {
             let corners = [z(0, 0), z(1, 0), z(0, 1), z(1, 1)];
             let [z00, z10, z01, z11] = corners;
             if rises(corners) {
-                [glint([z10 - z00, z11 - z10]), glint([z11 - z01, z01 - z00])]
+                [light_of([z10 - z00, z11 - z10]), light_of([z11 - z01, z01 - z00])]
             } else {
-                [glint([z10 - z00, z01 - z00]), glint([z11 - z01, z11 - z10])]
+                [light_of([z10 - z00, z01 - z00]), light_of([z11 - z01, z11 - z10])]
             }
         };
         let triangles = (0..n * n).into_par_iter().with_min_len(1 << 10).map(square).collect();
@@ -167,11 +167,11 @@ impl FirstBounce {
         let mut all = 0.0;
         for j in j0..j0 + side {
             let row = &self.triangles[j % n * n..][..n];
-            for glint in (i0..i0 + side).flat_map(|i| row[i % n]) {
-                let light = f64::from(glint.light);
+            for triangle in (i0..i0 + side).flat_map(|i| row[i % n]) {
+                let light = f64::from(triangle.light);
                 all += light;
-                if glint.pixel != NOWHERE {
-                    image.values[glint.pixel as usize] += light;
+                if triangle.pixel != NOWHERE {
+                    image.values[triangle.pixel as usize] += light;
                 }
             }
         }

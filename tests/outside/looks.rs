@@ -9,7 +9,7 @@ use std::path::Path;
 
 use facetmill::brdf::metals::Metal;
 use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
-use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::export::stl::write_stl;
 use facetmill::job::design::design;
 use facetmill::picture::read;

@@ -135,14 +135,14 @@ pub fn abandon(end: impl FnOnce()) {
 /// A hidden folder within the output folder: renaming from it never crosses file systems. Dropped, it is gone.
 struct Aside {
     hidden: TempDir,
-    made: Made,
+    made: NewFolders,
 }
 
 impl Aside {
     fn open(folder: &Path) -> io::Result<Self> {
         let missing: Vec<&Path> =
             folder.ancestors().take_while(|path| !path.as_os_str().is_empty() && !path.is_dir()).collect();
-        let mut made = Made(Vec::new());
+        let mut made = NewFolders(Vec::new());
         for path in missing.into_iter().rev() {
             fs::create_dir(path)?;
             made.0.push(path.to_owned());
@@ -180,9 +180,9 @@ impl Aside {
 }
 
 /// Folders made on the way, removed again unless something has come into them.
-struct Made(Vec<PathBuf>);
+struct NewFolders(Vec<PathBuf>);
 
-impl Drop for Made {
+impl Drop for NewFolders {
     fn drop(&mut self) {
         self.0.iter().rev().for_each(|folder| {
             let _ = fs::remove_dir(folder);

@@ -5,7 +5,7 @@ use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use facetmill::distribution::SlopeDistribution;
-use facetmill::export::picture::{common_white, encode_png, tone_mapped};
+use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::highlight::scored_target;
 use facetmill::job::pictures::as_seen;
 use facetmill::raster::Raster;

@@ -44,13 +44,13 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
             break;
         }
     }
-    ashore(&atoms, &mut centres, size);
+    snap_to_own_atoms(&atoms, &mut centres, size);
     centres.iter().map(|c| c.as_dvec2()).collect()
 }
 
 /// Moves centres far from all of their own cell's atoms to the nearest of those. Masses that are no multiple of a
 /// facet's leave cells that reach across a gap, and no light belongs into the middle of it.
-fn ashore(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
+fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
     let mut spreads: Vec<f32> = atoms.chunks(size).zip(&*centres).map(|(cell, c)| spread(cell, *c)).collect();
     let middle = spreads.len() / 2;
     let (_, &mut usual, _) = spreads.select_nth_unstable_by(middle, f32::total_cmp);

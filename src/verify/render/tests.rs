@@ -37,14 +37,14 @@ fn a_matt_plate_is_as_bright_as_lambert_says() {
         field_of_view: 1.0,
         ..ViewSettings::default()
     };
-    let sight = look(&under(&surface, &setup, "diffuse:0.6", 0.0), &settings, &Progress::silent()).unwrap();
+    let view = look(&under(&surface, &setup, "diffuse:0.6", 0.0), &settings, &Progress::silent()).unwrap();
     let expected = 0.6 * setup.light().z / PI;
-    assert!(sight.radiance.values.iter().all(|v| (v / expected - 1.0).abs() < 1e-12));
+    assert!(view.radiance.values.iter().all(|v| (v / expected - 1.0).abs() < 1e-12));
     // Past the plate's edge there is nothing, or the surroundings.
     let wide = ViewSettings { field_of_view: 10.0, ambient: 0.25, ..settings };
-    let sight = look(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
-    assert_eq!((sight.radiance.at(0, 0), sight.radiance.at(8, 6)), (0.25, 0.0));
-    assert_eq!((sight.radiance.at(0, 6), sight.radiance.at(15, 6)), (0.25, 0.25), "nor any skirt below it");
+    let view = look(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
+    assert_eq!((view.radiance.at(0, 0), view.radiance.at(8, 6)), (0.25, 0.0));
+    assert_eq!((view.radiance.at(0, 6), view.radiance.at(15, 6)), (0.25, 0.25), "nor any skirt below it");
 }
 
 #[test]
@@ -61,13 +61,13 @@ fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
     };
     for (material, radius) in [("aluminium:ggx:0.2", 0.0), ("aluminium:ggx:0.05", 0.1), ("paint:0.7:ggx:0.3", 0.2)] {
         let experiment = under(&surface, &setup, material, radius);
-        let sight = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
         let camera = settings.camera(&experiment);
         for k in 0..64 {
             let expected = over_pixel(k, settings.size, |uv| {
                 over_disc(setup.light(), radius, |l| experiment.material.eval(-camera.direction(uv), l))
             });
-            let (got, error) = (sight.radiance.values[k], sight.errors.values[k]);
+            let (got, error) = (view.radiance.values[k], view.errors.values[k]);
             assert!(
                 (got - expected).abs() < MOST * error + 1e-3 * expected,
                 "{material} {k}: {got} {error} {expected}"
@@ -90,16 +90,16 @@ fn a_mirror_shows_the_lamp_at_its_own_radiance() {
     };
     for material in ["aluminium", "paint:0.5"] {
         let experiment = under(&surface, &setup, material, 0.02);
-        let sight = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
         let radiance = 1.0 / (2.0 * PI * (1.0 - f64::cos(0.02)));
         let pigment = experiment.material.eval(settings.toward(), setup.light());
         let expected = experiment.material.facet_share(setup.light().z) * radiance + pigment;
-        let middle = sight.radiance.at(4, 4);
+        let middle = view.radiance.at(4, 4);
         assert!(
-            (middle - expected).abs() < 4.0 * sight.errors.at(4, 4) + 1e-3 * expected,
+            (middle - expected).abs() < 4.0 * view.errors.at(4, 4) + 1e-3 * expected,
             "{material} {middle} {expected}"
         );
-        assert!(sight.radiance.at(0, 0) < 0.01 * middle);
+        assert!(view.radiance.at(0, 0) < 0.01 * middle);
     }
 }
 
@@ -128,10 +128,10 @@ fn in_a_white_furnace_every_pixel_is_white() {
                 ..ViewSettings::default()
             };
             // Mirrors do not show the point of light: only the surroundings shine on them.
-            let sight = look(&under(&panel, &setup, material, 0.0), &settings, &Progress::silent()).unwrap();
+            let view = look(&under(&panel, &setup, material, 0.0), &settings, &Progress::silent()).unwrap();
             let lit = material != "mirror";
             for k in 0..12 * 9 {
-                let whole = sight.radiance.values[k] + sight.trapped.values[k];
+                let whole = view.radiance.values[k] + view.trapped.values[k];
                 if lit {
                     // A white matt relief shows the lamp's light as well.
                     assert!(whole >= 1.0 - 1e-9, "{shape:?} {whole}");
@@ -139,7 +139,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
                     assert!((whole - 1.0).abs() < 1e-9, "{shape:?} {most} {whole}");
                 }
             }
-            assert!(most > 2 || sight.trapped.max() > 0.01);
+            assert!(most > 2 || view.trapped.max() > 0.01);
         }
     }
 }
@@ -162,7 +162,7 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
             rays: 1600,
             ..ViewSettings::default()
         };
-        let sight = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
         let camera = settings.camera(&experiment);
         let (mut inside, mut total) = (0, 0.0);
         for k in 0..24 * 24 {
@@ -173,7 +173,7 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
                 over_disc(setup.light(), radius, |l| experiment.material.eval(to_local(-seen), to_local(l)))
             };
             let expected = over_pixel(k, settings.size, radiance);
-            let (got, error) = (sight.radiance.values[k], sight.errors.values[k]);
+            let (got, error) = (view.radiance.values[k], view.errors.values[k]);
             assert!(
                 (got - expected).abs() <= MOST * error + 4e-3 * expected + 1e-5,
                 "{material} {k}: {got} {error} {expected}"
@@ -182,7 +182,7 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
             total += expected;
         }
         assert!(inside > 150, "{inside}");
-        assert!((sight.radiance.sum() / total - 1.0).abs() < 3e-3, "{} {total}", sight.radiance.sum());
+        assert!((view.radiance.sum() / total - 1.0).abs() < 3e-3, "{} {total}", view.radiance.sum());
     }
 }
 
@@ -214,10 +214,10 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
                             ..ViewSettings::default()
                         };
                         match look(&experiment, &settings, &Progress::silent()) {
-                            Ok(sight) => {
+                            Ok(view) => {
                                 seen += 1;
                                 let finite = |raster: &Raster| raster.values.iter().all(|v| v.is_finite() && *v >= 0.0);
-                                let all = [&sight.radiance, &sight.errors, &sight.trapped];
+                                let all = [&view.radiance, &view.errors, &view.trapped];
                                 assert!(all.into_iter().all(finite), "{settings:?}");
                             }
                             Err(_) => refused += 1,

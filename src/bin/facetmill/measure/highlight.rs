@@ -1,7 +1,7 @@
 //! The highlight image of one lamp, with all its digits and errors.
 
 use facetmill::export::float_tiff::write_float_tiff;
-use facetmill::export::picture::{common_white, tone_mapped};
+use facetmill::export::pixels::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;

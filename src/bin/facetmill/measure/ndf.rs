@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use facetmill::export::picture::{common_white, tone_mapped};
+use facetmill::export::pixels::{common_white, tone_mapped};
 use facetmill::progress::Progress;
 use facetmill::raster::Raster;
 use facetmill::trace::Surface;

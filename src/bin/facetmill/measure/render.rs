@@ -67,14 +67,14 @@ pub fn measure(
         seed: bench.measuring.seed,
     };
     progress.stage("looking at the plate");
-    let sight = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
+    let view = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage("writing files");
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
-    staged.write_png("look.png", &view_page(&sight, &settings, &exposure))?;
-    staged.write("look.tiff", |out| write_float_tiff(&sight.radiance, out))?;
-    staged.write("look_error.tiff", |out| write_float_tiff(&sight.errors, out))?;
+    staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
+    staged.write("look.tiff", |out| write_float_tiff(&view.radiance, out))?;
+    staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let (radiance, error) = (mean(&sight.radiance.values), mean(&sight.errors.values));
+    let (radiance, error) = (mean(&view.radiance.values), mean(&view.errors.values));
     let facts = json!({
         "kind": "look",
         "camera_deg": [theta, phi],
@@ -90,8 +90,8 @@ pub fn measure(
         "pixels": "look.tiff holds radiance in 1/sr for a lamp whose irradiance across its beam is 1",
         "mean_radiance": radiance,
         "mean_error": error,
-        "greatest_radiance": sight.radiance.max(),
-        "mean_trapped": mean(&sight.trapped.values),
+        "greatest_radiance": view.radiance.max(),
+        "mean_trapped": mean(&view.trapped.values),
     });
     let rows = vec![
         row(
@@ -102,7 +102,7 @@ pub fn measure(
         row("paths", settings.rays.to_string(), "or a little more for each pixel"),
         row(
             "brightest",
-            format!("{:.4} /sr", sight.radiance.max()),
+            format!("{:.4} /sr", view.radiance.max()),
             "pixel; a white matt plate straight below the lamp has 0.318",
         ),
         row("noise", format!("{:.2} %", 100.0 * error / radiance.max(f64::MIN_POSITIVE)), "of a pixel, on average"),

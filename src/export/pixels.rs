@@ -1,8 +1,8 @@
-//! From numbers to pixels: tone mapping, the colours of differences, plain filling, and PNG bytes.
+//! From numbers to pixels: tone mapping, the colours of differences, and PNG bytes.
 
 use std::io::Cursor;
 
-use image::{EncodableLayout, GrayImage, ImageBuffer, ImageFormat, Luma, PixelWithColorType, Rgb, RgbImage};
+use image::{EncodableLayout, GrayImage, ImageBuffer, ImageFormat, Luma, PixelWithColorType, Rgb};
 use thiserror::Error;
 
 use crate::raster::Raster;
@@ -71,38 +71,16 @@ fn from_oklab(l: f64, a: f64, b: f64) -> Rgb<u8> {
     Rgb([red, green, blue].map(|v| byte(srgb_encoded(v))))
 }
 
-/// Fills the rectangle with upper-left pixel (x, y), clipped to the image.
-pub(super) fn fill(image: &mut RgbImage, x: i64, y: i64, width: i64, height: i64, colour: Rgb<u8>) {
-    let clip = |from: i64, length: i64, limit: u32| {
-        from.clamp(0, i64::from(limit)) as u32..(from + length).clamp(0, i64::from(limit)) as u32
-    };
-    let columns = clip(x, width, image.width());
-    for row in clip(y, height, image.height()) {
-        for column in columns.clone() {
-            image.put_pixel(column, row, colour);
-        }
-    }
-}
-
-/// Draws a frame `thick` pixels wide just outside the given rectangle, clipped to the image.
-pub(super) fn frame(image: &mut RgbImage, area: [i64; 4], thick: i64, colour: Rgb<u8>) {
-    let [x, y, width, height] = area;
-    fill(image, x - thick, y - thick, width + 2 * thick, thick, colour);
-    fill(image, x - thick, y + height, width + 2 * thick, thick, colour);
-    fill(image, x - thick, y, thick, height, colour);
-    fill(image, x + width, y, thick, height, colour);
-}
-
 /// The bytes of a PNG file of an 8-bit grey, 8-bit RGB or 16-bit grey image.
 ///
 /// The same image gives the same bytes. Fails on an image without pixels, which PNG cannot hold.
-pub fn encode_png<P>(image: &ImageBuffer<P, Vec<P::Subpixel>>) -> Result<Vec<u8>, PictureError>
+pub fn encode_png<P>(image: &ImageBuffer<P, Vec<P::Subpixel>>) -> Result<Vec<u8>, PngError>
 where
     P: PixelWithColorType,
     [P::Subpixel]: EncodableLayout,
 {
     if image.width() == 0 || image.height() == 0 {
-        return Err(PictureError::Empty);
+        return Err(PngError::Empty);
     }
     let mut bytes = Cursor::new(Vec::new());
     image.write_to(&mut bytes, ImageFormat::Png)?;
@@ -111,7 +89,7 @@ where
 
 /// Why a picture could not be made into a file.
 #[derive(Debug, Error)]
-pub enum PictureError {
+pub enum PngError {
     /// No columns or no rows.
     #[error("the picture has no pixels")]
     Empty,
@@ -122,6 +100,8 @@ pub enum PictureError {
 
 #[cfg(test)]
 mod tests {
+    use image::RgbImage;
+
     use super::*;
 
     #[test]
@@ -177,16 +157,6 @@ mod tests {
         assert_eq!(image::load_from_memory(&encode_png(&rgb).unwrap()).unwrap(), rgb.into());
         assert_eq!(image::load_from_memory(&encode_png(&deep).unwrap()).unwrap(), deep.into());
         assert_eq!(encode_png(&grey).unwrap(), encode_png(&grey).unwrap());
-        assert!(matches!(encode_png(&GrayImage::new(0, 3)), Err(PictureError::Empty)));
-    }
-
-    #[test]
-    fn filling_stays_inside() {
-        let mut image = RgbImage::new(4, 4);
-        fill(&mut image, -2, 3, 4, 100, Rgb([9; 3]));
-        assert_eq!(image.pixels().filter(|p| p.0 == [9; 3]).count(), 2);
-        fill(&mut image, 7, 7, 3, -3, Rgb([1; 3]));
-        frame(&mut image, [1, 1, 2, 2], 1, Rgb([5; 3]));
-        assert_eq!(image.pixels().filter(|p| p.0 == [5; 3]).count(), 12);
+        assert!(matches!(encode_png(&GrayImage::new(0, 3)), Err(PngError::Empty)));
     }
 }

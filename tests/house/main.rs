@@ -1,0 +1,38 @@
+//! The house rules of CONTRIBUTING.md, read off the sources: what may import what, names, sizes, the guide's file lists,
+//! the minimum Rust.
+
+mod imports;
+mod names;
+mod sizes;
+mod source;
+mod toolchain;
+
+/// What is still to be mended: beginnings of offences that the rules let pass.
+const OPEN: [&str; 20] = [
+    "args refers to measure::args",
+    "args refers to values",
+    "console refers to files",
+    "design refers to ",
+    "estimate refers to files",
+    "measure refers to ",
+    "measure::args refers to values",
+    "picture::decode refers to picture::",
+    "verify::first_bounce refers to verify::measure",
+    "src/bin/facetmill/design.rs",
+    "src/bin/facetmill/measure/",
+    "src/bin/facetmill/verify.rs",
+    "src/export/bsdf.rs",
+    "src/export/picture.rs",
+    "src/export/polar_slices.rs",
+    "src/export/stl.rs",
+    "src/job/",
+    "src/sculpt/",
+    "src/verify/goniometer/table.rs",
+    "src/verify/",
+];
+
+/// Fails with all offences but those that are known to be open.
+fn none(offences: Vec<String>) {
+    let new: Vec<_> = offences.into_iter().filter(|one| !OPEN.iter().any(|open| one.starts_with(open))).collect();
+    assert!(new.is_empty(), "{} of\n{}", new.len(), new.join("\n"));
+}
