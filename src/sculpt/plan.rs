@@ -180,3 +180,77 @@ pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, mos
     let fitting = SIDES.into_iter().filter(|&n| n as f64 <= by_file.max(64.0));
     fitting.clone().find(|&n| n as f64 >= wanted).or(fitting.max()).unwrap_or(64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet(grid: usize, cutter: Option<Cutter>) -> SheetSettings {
+        let cell = DVec2::splat(10.0);
+        SheetSettings { cell, cells: [3, 3], grid, cutter, polish: 0.0, min_feature: 0.0, max_depth: None, seed: 1 }
+    }
+
+    /// A step in a few letters: what it is, nodes, rounds or steps.
+    fn short(step: &Step) -> String {
+        match step {
+            Step::Tries { nodes } => format!("T{nodes}"),
+            Step::Matching { nodes, rounds } => format!("M{nodes}x{rounds}"),
+            Step::Descent { nodes, stage } => format!("D{nodes}@{}x{}", stage.scale.blur, stage.steps),
+        }
+    }
+
+    #[test]
+    fn plans_go_from_coarse_grids_to_the_asked_one() {
+        // The grids of the tries, of the descent after them and of the finer ones.
+        let grids: [(usize, usize, usize, &[usize]); 12] = [
+            (16, 16, 16, &[]),
+            (64, 64, 64, &[]),
+            (128, 128, 128, &[]),
+            (130, 66, 130, &[]),
+            (250, 126, 250, &[]),
+            (256, 128, 256, &[]),
+            (258, 66, 130, &[258]),
+            (400, 100, 200, &[400]),
+            (512, 128, 256, &[512]),
+            (1000, 126, 250, &[500, 1000]),
+            (1024, 128, 256, &[512, 1024]),
+            (4096, 128, 256, &[512, 1024, 2048, 4096]),
+        ];
+        for (grid, tries, first, finer) in grids {
+            for cutter in [None, Some(Cutter::ball(0.5))] {
+                let mut expected = vec![format!("T{tries}")];
+                expected.extend(cutter.map(|_| format!("M{first}x50")));
+                expected.extend(["0.5x60", "0.35x80", "0.25x60"].map(|stage| format!("D{first}@{stage}")));
+                for nodes in finer {
+                    expected.extend(["0.35x60", "0.25x90"].map(|stage| format!("D{nodes}@{stage}")));
+                }
+                let steps = plan(&sheet(grid, cutter));
+                assert_eq!(steps.iter().map(short).collect::<Vec<_>>(), expected);
+                assert!(steps.iter().all(|step| step.nodes().is_multiple_of(2) && step.cost() > 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn scales_go_from_wide_to_narrow_and_the_dark_weighs_more_where_they_are_narrow() {
+        for cutter in [None, Some(Cutter::ball(0.5))] {
+            let descents = [TRIES[0], TRIES[1], trial_descent(&sheet(256, cutter))].into_iter().chain(DESCENT);
+            let scales: Vec<LossScale> = descents.map(|stage| stage.scale).collect();
+            assert!(scales.iter().all(|scale| scale.weighed == (scale.blur < 0.6)));
+            for pair in scales.windows(2) {
+                assert!(pair[1].blur <= pair[0].blur && pair[1].alpha <= pair[0].alpha, "{pair:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn grids_suit_the_picture_the_cutter_and_the_file() {
+        let suitable =
+            |cutter: Option<f64>, most| suitable_grid(DVec2::splat(10.0), [3, 3], cutter.map(Cutter::ball), most);
+        assert_eq!(suitable(None, 4_000_000), 400);
+        assert_eq!([1.0, 0.5, 0.2].map(|ball| suitable(Some(ball), 40_000_000)), [400, 800, 1024]);
+        // 18 triangles a node of nine cells.
+        assert_eq!(suitable(None, 18 * 256 * 256), 256);
+        assert_eq!(suitable(None, 1000), 64);
+    }
+}

@@ -14,7 +14,7 @@ use crate::raster::{Raster, bilinear_weights};
 use crate::slope::Slope;
 
 /// Degrees without wanted light around the picture, so that light falling there has a gradient. Beyond, it counts as on
-/// the rim and has none. It trades bins for that; at the last stages of a design light strays by less than a degree.
+/// the rim and has none. It trades bins, that is time, for that.
 const MARGIN: f64 = 4.0;
 
 /// Bins a side at the most; wide pictures get wider bins. Pictures up to 72° wide still have
