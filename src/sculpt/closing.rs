@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn heights_move_as_the_touched_nodes_carry_them() {
         let n = 16;
-        let closing = closing(n, 0.3);
+        let closing = closing(n, 3.0);
         for k in 0..DIRECTIONS.len() {
             let z = rough(n);
             let (mut before, mut after) = (z.clone(), z.clone());

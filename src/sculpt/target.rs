@@ -13,8 +13,9 @@ use crate::projection::View;
 use crate::raster::{Raster, bilinear_weights};
 use crate::slope::Slope;
 
-/// Degrees without wanted light around the picture, so that light falling there has a gradient. Beyond, it counts as on
-/// the rim and has none. It trades bins, that is time, for that.
+/// Degrees without wanted light around the picture, so that light falling there is followed. Beyond, it counts as on the rim
+/// and keeps the gradient that it would have there: no derivative, but still a pull toward the picture. A wider margin takes
+/// more bins, that is time.
 const MARGIN: f64 = 4.0;
 
 /// Bins a side at the most; wide pictures get wider bins. Pictures up to 72° wide still have

@@ -15,7 +15,8 @@ fn noise(seed: usize, n: usize) -> Vec<f32> {
 
 /// A wanted ring of light, 6° wide about a dark middle.
 fn target(bin: f64) -> SlopeTarget {
-    let side = (28.0 / bin) as usize;
+    // Wide enough for all slopes: beyond the rim, light has a gradient that is not its derivative.
+    let side = (64.0 / bin) as usize;
     let middle = DVec2::splat(0.5 * (side - 1) as f64);
     let at = |k: usize| (DVec2::new((k % side) as f64, (k / side) as f64) - middle) * bin;
     let ring = |k: usize| if (4.0..10.0).contains(&at(k).length()) { 1.0 } else { 0.0 };
