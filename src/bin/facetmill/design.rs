@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{FILES, Job, Product};
+use facetmill::job::{Job, Product, exports};
 use facetmill::picture;
 use facetmill::progress::{Event, Progress};
 use facetmill::recipe::{Recipe, SurfaceKind};
@@ -34,7 +34,7 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     };
     // Before any work: a folder that cannot be written should not cost a minute.
     let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
-    let mut staged = Staged::new(folder, may_replace, FILES)?;
+    let mut staged = Staged::new(folder, may_replace, exports::names())?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }

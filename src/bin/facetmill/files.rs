@@ -23,7 +23,7 @@ enum Gate {
 /// Files on their way into an output folder. Dropped before [`publish`](Staged::publish), nothing stays.
 pub struct Staged {
     folder: PathBuf,
-    own: &'static [&'static str],
+    own: Vec<&'static str>,
     written: Vec<&'static str>,
 }
 
@@ -32,7 +32,7 @@ impl Staged {
     /// replaced, or removed if they are not written again: they would tell of an earlier run.
     ///
     /// The folder is tried out and left as it was, so that what cannot be written costs no minute of work.
-    pub fn new(folder: &Path, force: bool, own: &'static [&'static str]) -> Result<Self, OutputError> {
+    pub fn new(folder: &Path, force: bool, own: Vec<&'static str>) -> Result<Self, OutputError> {
         if let Some(file) = folder.ancestors().find(|path| path.exists() && !path.is_dir()) {
             return Err(OutputError::NotAFolder(file.to_owned()));
         }
@@ -103,7 +103,7 @@ impl Staged {
         let mut gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
         if let Gate::Open(aside) = std::mem::replace(&mut *gate, Gate::Closed) {
             aside
-                .publish(&self.folder, self.own, &self.written)
+                .publish(&self.folder, &self.own, &self.written)
                 .map_err(|error| OutputError::Cannot(self.folder.clone(), error))?;
         }
         *gate = Gate::Passed;

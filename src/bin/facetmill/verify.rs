@@ -1,6 +1,7 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
@@ -16,9 +17,6 @@ use crate::args::VerifyArgs;
 use crate::console::{Failure, NEVER, Stages, Table, tell};
 use crate::files::Staged;
 use crate::{plates, tables};
-
-/// Every file that a verification may write.
-const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
@@ -40,7 +38,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec())?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &NEVER);
