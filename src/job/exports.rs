@@ -57,8 +57,8 @@ pub const DESIGN: &[Export] = &[
         when: When::Always,
         write: |from, out| out.write_all(text(&from.map().sidecar).as_bytes()),
     },
-    Export { name: "relief.png", when: When::Always, write: Source::relief },
-    Export { name: "target.png", when: When::Always, write: Source::target },
+    Export { name: "relief.png", when: When::Always, write: |from, out| from.relief(out) },
+    Export { name: "target.png", when: When::Always, write: |from, out| from.target(out) },
     Export {
         name: "simulated.png",
         when: When::Proved,

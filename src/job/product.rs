@@ -11,6 +11,7 @@ use super::proof::Proof;
 use super::report::report;
 use crate::export::pixels::encode_png;
 use crate::picture::Picture;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::recipe::Recipe;
 use crate::report::design::{DesignReport, made_of};
 
@@ -37,11 +38,20 @@ impl Product {
     }
 
     /// Hands every file of the output folder to `keep`, by name and content.
-    pub fn write<E>(
+    pub fn write<E: From<Cancelled>>(
         &self,
         picture: &Picture,
         keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
+        progress: &Progress,
     ) -> Result<(), E> {
+        progress.stage(Stage::Files);
+        let mut keep = |name, content: Content| {
+            progress.check()?;
+            let kept = keep(name, &mut |out| content(&mut Stoppable { out, progress }));
+            // What was cut short is no fault of the writer's.
+            progress.check()?;
+            kept
+        };
         let source = Source::new(self, picture);
         source.due().try_for_each(|export| keep(export.name, &mut |out| export.write(&source, out)))
     }
@@ -64,6 +74,23 @@ impl Product {
             light.phi,
             highlight.half_field
         )
+    }
+}
+
+/// A writer that fails once the work is abandoned.
+struct Stoppable<'a> {
+    out: &'a mut dyn Write,
+    progress: &'a Progress<'a>,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.progress.check().map_err(io::Error::other)?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }
 

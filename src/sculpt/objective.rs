@@ -13,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::cutter::Cutter;
 use crate::fourier::{even_smooth_size, frequency};
+use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
@@ -154,11 +155,11 @@ impl Objective {
 
     /// Takes account of what the tool really makes of heights `z`: the light of its work less that of the model is
     /// added to all light from now on.
-    pub fn update_tool_residual(&mut self, z: &[f32]) {
+    pub fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
         let Some(cutter) = self.manufacturing.cutter else { return };
         let cell = self.lattice.cell();
         let relief = relief(self.lattice, z, self.manufacturing.tilt);
-        let made = polished(Tool::new(cell, cutter).mill(&relief).relief, self.manufacturing.polish);
+        let made = polished(Tool::new(cell, cutter).mill(&relief, progress).relief, self.manufacturing.polish);
         let fine = Lattice { n: made.nodes, step: made.step() };
         // Whoever looks at the tool's grid may cut its squares either way.
         let really = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None)

@@ -70,10 +70,13 @@ const FIGURES: usize = 4 * BLURS.len() + 3;
 impl Verdict {
     /// Scores `measurement` against `target` (flux per pixel, sum 1, of the measurement's resolution).
     ///
-    /// `None` if no light fell into the image.
+    /// `None` if no light fell into the image, or if it is abandoned.
     pub fn new(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Self> {
         let values = figures(&measurement.whole, target, view)?;
-        let errors = measurement.standard_errors(|tally| figures(tally, target, view).unwrap_or([f64::NAN; FIGURES]));
+        let errors = measurement.standard_errors(|tally| {
+            let figures = if progress.is_abandoned() { None } else { figures(tally, target, view) };
+            figures.unwrap_or([f64::NAN; FIGURES])
+        });
         progress.fraction(0.5);
         let figure = |k: usize| Figure { value: values[k], error: errors[k] };
         let at_blur = std::array::from_fn(|b| AtBlur {
@@ -87,7 +90,7 @@ impl Verdict {
         let other = 4 * BLURS.len();
         Some(Self {
             at_blur,
-            w1: w1(measurement, target, view)?,
+            w1: w1(measurement, target, view, progress)?,
             efficiency: figure(other),
             multi_bounce: figure(other + 1),
             blocked: figure(other + 2),
@@ -118,8 +121,8 @@ fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]
 }
 
 /// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
-fn w1(measurement: &Measurement, target: &Raster, view: &View) -> Option<Figure> {
-    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION);
+fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Figure> {
+    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION, progress);
     let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
     let error = match halves {
         [Some(a), Some(b)] => 0.5 * (a - b).abs(),

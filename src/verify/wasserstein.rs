@@ -8,6 +8,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::progress::Progress;
 use crate::projection::{Projection, View};
 use crate::raster::Raster;
 use crate::slope::angle_between;
@@ -27,8 +28,9 @@ const NONE: u32 = u32::MAX;
 /// sum one, so lost light does not count here. The cost of moving light is the great-circle angle between the
 /// directions at the pixel centres.
 ///
-/// `None` if either image holds no light, or a value that is not finite, or if `resolution` is zero.
-pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize) -> Option<f64> {
+/// `None` if either image holds no light, or a value that is not finite, or if `resolution` is zero; and if it is
+/// abandoned.
+pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize, progress: &Progress) -> Option<f64> {
     let directions: Vec<_> = (0..resolution * resolution).map(|k| pixel_direction(view, k, resolution)).collect();
     let share = |image: &Raster| -> Option<Vec<f64>> {
         let mut coarse = image.resampled(resolution, resolution).values;
@@ -54,12 +56,15 @@ pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize) -> Optio
     let (to, demand) = worth_moving(&lack);
     let mut cost = vec![0.0; from.len() * to.len()];
     cost.par_chunks_mut(to.len().max(1)).zip(&from).for_each(|(row, &from)| {
+        if progress.is_abandoned() {
+            return;
+        }
         for (cost, &to) in row.iter_mut().zip(&to) {
             *cost = angle_between(from, to).to_degrees();
         }
     });
-    let mut tree = Tree::new(&counted(&supply), &counted(&demand), cost);
-    tree.optimise();
+    let mut tree = Tree::new(&counted(&supply), &counted(&demand), cost, progress)?;
+    tree.optimise(progress)?;
     Some(tree.total_cost() / WHOLE as f64 * moved)
 }
 
@@ -112,7 +117,7 @@ struct Tree {
 impl Tree {
     /// A first tree: each source in turn serves the nearest sinks that still lack something. `supply` and `demand`
     /// are positive and of equal sum.
-    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>) -> Self {
+    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>, progress: &Progress) -> Option<Self> {
         let (sources, sinks) = (supply.len(), demand.len());
         let nodes = sources + sinks + 1;
         let mut tree = Self {
@@ -131,6 +136,9 @@ impl Tree {
         let mut arcs = vec![Vec::new(); nodes];
         let (mut lacking, mut open) = (demand.to_vec(), (0..sinks).collect::<Vec<_>>());
         for (i, mut left) in supply.iter().copied().enumerate() {
+            if progress.is_abandoned() {
+                return None;
+            }
             while left > 0 {
                 let cost = |k: &usize| tree.cost[i * sinks + open[*k]];
                 let Some(k) = (0..open.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))) else { break };
@@ -162,7 +170,7 @@ impl Tree {
             }
         }
         tree.set_prices();
-        tree
+        Some(tree)
     }
 
     fn attach(&mut self, node: usize, parent: usize, flow: i64) {
@@ -215,10 +223,15 @@ impl Tree {
         });
     }
 
-    /// Pivots until no arc can lower the cost.
-    fn optimise(&mut self) {
-        let mut stale = 0;
+    /// Pivots until no arc can lower the cost; `None` if it is abandoned before.
+    fn optimise(&mut self, progress: &Progress) -> Option<()> {
+        const PIVOTS_A_QUESTION: usize = 64;
+        let (mut stale, mut pivots) = (0, 0usize);
         loop {
+            pivots += 1;
+            if pivots.is_multiple_of(PIVOTS_A_QUESTION) && progress.is_abandoned() {
+                return None;
+            }
             let entering = self.entering();
             if stale > 0 && (entering.is_none() || stale == self.price.len()) {
                 // Prices have been added to many times: rounding must neither grow nor have the last word.
@@ -228,7 +241,7 @@ impl Tree {
                 self.pivot(i, self.sources + j, reduced);
                 stale += 1;
             } else {
-                return;
+                return Some(());
             }
         }
     }

@@ -4,12 +4,11 @@ use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use facetmill::job::design::DesignError;
 use facetmill::picture::PictureError;
-use facetmill::progress::Event;
+use facetmill::progress::{Cancelled, Event};
 use facetmill::report::text;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
@@ -71,10 +70,16 @@ impl From<PictureError> for Failure {
     }
 }
 
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::Stopped { snapshots: None }
+    }
+}
+
 impl From<DesignError> for Failure {
     fn from(error: DesignError) -> Self {
         match error {
-            DesignError::Cancelled => Self::Stopped { snapshots: None },
+            DesignError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Impossible(other.to_string()),
         }
     }
@@ -156,9 +161,6 @@ fn print(text: &str) -> Result<(), OutputError> {
     }
 }
 
-/// Never raised: Ctrl-C ends the program at once, after `files::abandon`.
-pub static NEVER: AtomicBool = AtomicBool::new(false);
-
 /// A progress line per stage on stderr, if somebody looks.
 pub struct Stages {
     present: Mutex<Option<(ProgressBar, Instant)>>,
@@ -178,13 +180,14 @@ impl Stages {
         }
         let Ok(mut present) = self.present.lock() else { return };
         match event {
-            Event::Stage(name) => {
+            Event::Stage(stage, note) => {
                 close(&mut present);
                 let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
                 if let Ok(style) = ProgressStyle::with_template("  {spinner} {msg:36} {bar:24} {percent:>3}%{left}") {
                     bar.set_style(style.with_key("left", time_left));
                 }
-                bar.set_message(name.to_owned());
+                let note = note.map(|note| format!(" ({note})")).unwrap_or_default();
+                bar.set_message(format!("{}{note}", stage.words()));
                 bar.enable_steady_tick(Duration::from_millis(100));
                 *present = Some((bar, Instant::now()));
             }

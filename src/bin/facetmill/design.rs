@@ -1,24 +1,26 @@
 //! `facetmill design`: a picture becomes a plate.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::path::PathBuf;
 
+use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{Job, Product, exports};
+use facetmill::job::{Job, Outcome, Product, exports};
 use facetmill::picture;
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::report::estimate::EstimateReport;
+use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{OutputError, Staged};
+use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
-use crate::{inputs, interrupt, tables};
+use crate::{inputs, tables};
 
 /// Does what `args` say.
-pub fn run(args: &DesignArgs) -> Result<(), Failure> {
+pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     let (recipe, path) = recipe(args)?;
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
         let picture = picture::read(&path, &recipe.reading())?;
@@ -34,7 +36,7 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     };
     // Before any work: a folder that cannot be written should not cost a minute.
     let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
-    let mut staged = Staged::new(folder, may_replace, exports::names())?;
+    let mut staged = Staged::new(folder, may_replace, exports::names(), &run.gate)?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
@@ -45,15 +47,27 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
     }
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| {
-        if matches!(event, Event::Stage(name) if !name.starts_with("sculpting")) {
-            interrupt::design_is_over();
+        if matches!(event, Event::Stage(stage, _) if stage != Stage::Sculpting) {
+            run.design_is_over();
         }
         stages.hear(event);
     };
-    let progress = Progress::new(&listen, &interrupt::EARLY);
-    let made = made(args, folder, Job { recipe: &recipe, picture: &picture, proved: !args.no_verify }, &progress)?;
-    progress.stage("writing files");
-    made.write(&picture, &mut |name, content| staged.write(name, |out| content(out)))?;
+    let progress = Progress::new(&listen, &run.cancel);
+    let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify };
+    let from = if args.resume { Some(snapshots::resume(folder, &recipe, &picture.light)?) } else { None };
+    let kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, &recipe, &picture.light));
+    let work = || {
+        let made = made(job, from, kept, run, &progress)?;
+        made.write(
+            &picture,
+            &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?),
+            &progress,
+        )?;
+        Ok::<_, Failure>(made)
+    };
+    let (made, _) = on_own_threads(args.running.threads, work)
+        .map_err(|error| Failure::Impossible(format!("no threads can be started ({error}): lower --threads")))?;
+    let made = made?;
     staged.publish()?;
     stages.finish();
     tell(&args.running, &made.report(&picture), |report| {
@@ -68,26 +82,31 @@ pub fn run(args: &DesignArgs) -> Result<(), Failure> {
 }
 
 /// What comes of the job, with snapshots on its way if they are wanted.
-fn made(args: &DesignArgs, folder: &Path, job: Job, progress: &Progress) -> Result<Product, Failure> {
-    let (recipe, light) = (job.recipe, &job.picture.light);
-    let from = if args.resume { Some(snapshots::resume(folder, recipe, light)?) } else { None };
-    let mut kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, recipe, light));
-    let made = job.run(
+fn made(
+    job: Job,
+    from: Option<Checkpoint>,
+    mut kept: Option<Snapshots>,
+    run: &Run,
+    progress: &Progress,
+) -> Result<Product, Failure> {
+    let outcome = job.run(
         from,
         &mut |distribution, at| {
-            let goes_on = interrupt::keep(|| kept.as_mut().is_none_or(|kept| kept.take(distribution, at)));
+            let goes_on = run.keep(|| kept.as_mut().is_none_or(|kept| kept.take(distribution, at)));
             match (goes_on, &kept) {
-                (true, Some(_)) => interrupt::snapshots_stay(folder.join(snapshots::FOLDER)),
+                (true, Some(kept)) => run.snapshots_stay(kept.folder().to_owned()),
                 (true, None) => {}
                 // There is no need to design to the end what ends in an error.
-                (false, _) => interrupt::EARLY.store(true, Ordering::Relaxed),
+                (false, _) => run.cancel.abandon(),
             }
         },
         progress,
     );
-    interrupt::design_is_over();
     kept.map_or(Ok(()), Snapshots::finish)?;
-    Ok(made?)
+    match outcome? {
+        Outcome::Finished(product) | Outcome::FinishedEarly(product) => Ok(product),
+        Outcome::Abandoned => Err(Cancelled.into()),
+    }
 }
 
 /// The effective recipe, and the file of its picture.

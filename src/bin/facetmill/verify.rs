@@ -5,21 +5,23 @@ use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
 use facetmill::slope::direction;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
-use crate::console::{Failure, NEVER, Stages, Table, tell};
+use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
+use crate::interrupt::Run;
 use crate::{plates, tables};
 
 /// Does what `args` say.
-pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
+pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     args.optics.apply(&mut recipe);
     args.running.apply(&mut recipe);
@@ -38,16 +40,16 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec())?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let name = args.plate.display();
     let margin = args.margin.unwrap_or(0.0);
     let opened = plates::open(&args.plate, margin)?;
     let picture = picture::read(&args.against, &recipe.reading())?;
-    progress.stage("tracing light over the plate");
+    progress.stage(Stage::Tracing);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {
         Failure::Impossible(format!(
@@ -57,12 +59,12 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
     let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-    progress.stage("scoring");
+    progress.stage(Stage::Scoring);
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
     let proof = Proof { target, measurement, verdict, sheet: None, milled: None };
 
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let size = opened.size;
     let mut advice = opened.advice.clone();
     if proof.verdict.backface > 1e-4 {

@@ -146,7 +146,7 @@ pub fn anneal(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut temperature = typical_change(&mut plate, &mut random);
     let mut since_settled = 0;
-    while done.tried < settings.swaps && !progress.is_cancelled() {
+    while done.tried < settings.swaps && !progress.is_to_finish() {
         let share = done.tried as f64 / settings.swaps as f64;
         progress.fraction(share);
         let tried = cells.min(settings.swaps - done.tried);
@@ -212,8 +212,8 @@ mod tests {
     use super::*;
     use crate::facets::arrange::random_order;
     use crate::facets::steps::Steps;
+    use crate::progress::{CancelToken, Event};
     use crate::slope::Slope;
-    use std::sync::atomic::AtomicBool;
 
     const ENERGIES: [Energy; 2] = [Energy::Walls, Energy::Weyrich2009];
 
@@ -320,10 +320,11 @@ mod tests {
 
     #[test]
     fn cancelled_or_trivial_work_leaves_the_order_alone() {
-        let cancel = AtomicBool::new(true);
+        let cancel = CancelToken::default();
+        cancel.finish();
         let mut grid = disc(6, 6, 3);
         let order = grid.clone();
-        let done = anneal(&mut grid, &Annealing::default(), 1, &Progress::new(&|_| {}, &cancel));
+        let done = anneal(&mut grid, &Annealing::default(), 1, &Progress::new(&|_: Event<'_>| {}, &cancel));
         assert_eq!((&grid, done.tried, done.after == done.before), (&order, 0, true));
         for slopes in [vec![], vec![Slope::new(0.1, 0.2)]] {
             let order = SlopeGrid { columns: slopes.len(), rows: slopes.len(), slopes };

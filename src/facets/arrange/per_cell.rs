@@ -2,6 +2,7 @@
 
 use crate::facets::SlopeGrid;
 use crate::facets::sample::kd;
+use crate::progress::Progress;
 use crate::slope::Slope;
 
 /// Deals `slopes` out to `cells` × `cells` equal cells and lets `arrange` order each (slopes, columns, rows, cell).
@@ -22,7 +23,7 @@ pub fn arrange_per_cell(
         return arrange(slopes, columns, rows, 0);
     }
     let each = cells * cells;
-    kd::group(&mut slopes, each, &|s: &Slope| s.to_vec());
+    kd::group(&mut slopes, each, &|s: &Slope| s.to_vec(), &Progress::silent());
     let (width, height) = (columns / cells, rows / cells);
     let mut grid = SlopeGrid { columns, rows, slopes: vec![Slope::FLAT; columns * rows] };
     for cell in 0..each {

@@ -18,16 +18,19 @@ use crate::raster::Raster;
 pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Vec<DVec2> {
     let size = atoms_per_cell(n);
     let mut atoms = equal_mass_atoms(density, n * size);
-    kd::group(&mut atoms, size, &|atom| atom.as_dvec2());
+    kd::group(&mut atoms, size, &|atom| atom.as_dvec2(), progress);
     let mut centres: Vec<Vec2> = atoms.chunks(size).map(centroid).collect();
     let mut scratch = Vec::with_capacity(2 * size);
     for sweep in 0..SWEEPS {
         progress.fraction(sweep as f64 / SWEEPS as f64);
-        if progress.is_cancelled() {
+        if progress.is_to_finish() {
             break;
         }
         let mut moved = 0.0f64;
-        for (a, b) in neighbours(&centres, MOST) {
+        for (k, (a, b)) in neighbours(&centres, MOST, progress).into_iter().enumerate() {
+            if k.is_multiple_of(PAIRS_A_QUESTION) && progress.is_to_finish() {
+                break;
+            }
             let axis = centres[b] - centres[a];
             scratch.clear();
             scratch.extend(atoms[a * size..][..size].iter().chain(&atoms[b * size..][..size]));
@@ -64,6 +67,9 @@ fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
         }
     }
 }
+
+/// Pairs exchanged between two questions whether to go on.
+const PAIRS_A_QUESTION: usize = 1024;
 
 /// Sweeps over all neighbouring pairs, at most. Pictures come to rest by [`STILL`] in fewer; the bound is for densities
 /// whose cells drift for long along a line.
@@ -144,7 +150,11 @@ mod tests {
         let pixel = |k: usize| View::pixel_centre(k % SIDE, k / SIDE, SIDE, SIDE);
         let n = SIDE * SIDE;
         let cost: Vec<f64> = (0..n * n).map(|k| pixel(k / n).distance_squared(points[k % n / each])).collect();
-        let total: f64 = cheapest_assignment(n, &cost).iter().enumerate().map(|(row, &to)| cost[row * n + to]).sum();
+        let total: f64 = cheapest_assignment(n, &cost, &Progress::silent())
+            .iter()
+            .enumerate()
+            .map(|(row, &to)| cost[row * n + to])
+            .sum();
         let h = 2.0 / SIDE as f64;
         let bound = 5.0 / (18.0 * 3f64.sqrt()) * 4.0 / points.len() as f64;
         ((total / n as f64 + h * h / 6.0) / bound).sqrt()

@@ -13,8 +13,8 @@ fn masses(n: usize, seed: usize) -> Vec<f64> {
 
 fn solved(supply: &[f64], demand: &[f64], cost: Vec<f64>) -> f64 {
     let (supply, demand) = (counted(supply), counted(demand));
-    let mut tree = Tree::new(&supply, &demand, cost);
-    tree.optimise();
+    let mut tree = Tree::new(&supply, &demand, cost, &Progress::silent()).unwrap();
+    tree.optimise(&Progress::silent()).unwrap();
     prove_optimal(&tree, &supply, &demand);
     tree.total_cost() / WHOLE as f64
 }
@@ -73,7 +73,7 @@ fn a_shifted_highlight_reads_its_shift() {
     let view = View::new(Projection::Equidistant, f64::to_radians(2.0), DVec3::Z);
     // 40 pixels over 4 degrees; shifts that overlap the old place and shifts that do not.
     for (dx, dy) in [(1, 0), (0, 3), (3, 4), (12, 5)] {
-        let found = exact_w1(&blob(40, 12, 14), &blob(40, 12 + dx, 14 + dy), &view, 40).unwrap();
+        let found = exact_w1(&blob(40, 12, 14), &blob(40, 12 + dx, 14 + dy), &view, 40, &Progress::silent()).unwrap();
         assert!((found / (0.1 * f64::hypot(dx as f64, dy as f64)) - 1.0).abs() < 1e-3, "{dx} {dy} {found}");
     }
 }
@@ -84,7 +84,7 @@ fn it_is_a_metric() {
     let image = |seed| Raster::from_fn(14, 14, |x, y| noise(x + 14 * y + seed) as f64);
     let [a, b, c] = [0, 1000, 5000].map(image);
     let brighter = a.clone().scaled(3.0);
-    let d = |a, b| exact_w1(a, b, &view, 14).unwrap();
+    let d = |a, b| exact_w1(a, b, &view, 14, &Progress::silent()).unwrap();
     assert!(d(&a, &brighter) < 1e-9);
     assert!(d(&a, &b) > 0.1);
     assert!((d(&a, &b) - d(&b, &a)).abs() < 1e-9);
@@ -106,7 +106,7 @@ fn agrees_with_the_independent_referee() {
     for (projection, field, (theta, phi), expected) in cases {
         let centre = flat_mirror(direction(f64::to_radians(theta), f64::to_radians(phi)));
         let view = View::new(projection, f64::to_radians(field), centre);
-        let found = exact_w1(&measured, &wanted, &view, 20).unwrap();
+        let found = exact_w1(&measured, &wanted, &view, 20, &Progress::silent()).unwrap();
         assert!((found / expected - 1.0).abs() < 1e-9, "{projection:?} {found} {expected}");
     }
 }
@@ -118,11 +118,11 @@ fn what_cannot_be_compared_has_no_distance() {
     let mut broken = good.clone();
     broken.values[3] = f64::NAN;
     for bad in [&Raster::zeros(20, 20), &Raster::zeros(0, 0), &broken, &good.clone().scaled(f64::INFINITY)] {
-        assert_eq!(exact_w1(bad, &good, &view, 20), None);
-        assert_eq!(exact_w1(&good, bad, &view, 20), None);
+        assert_eq!(exact_w1(bad, &good, &view, 20, &Progress::silent()), None);
+        assert_eq!(exact_w1(&good, bad, &view, 20, &Progress::silent()), None);
     }
-    assert_eq!(exact_w1(&good, &good, &view, 0), None);
+    assert_eq!(exact_w1(&good, &good, &view, 0, &Progress::silent()), None);
     // Beyond 180 degrees from the centre there are no directions, hence no light to be moved.
     let corner = Raster::from_fn(20, 20, |x, y| f64::from(x + y == 0));
-    assert_eq!(exact_w1(&corner, &good, &view, 20), None);
+    assert_eq!(exact_w1(&corner, &good, &view, 20, &Progress::silent()), None);
 }

@@ -3,11 +3,12 @@
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::pixels::{common_white, tone_mapped};
 use facetmill::job::pictures::rays;
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{HighlightImageFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::measure::{HighlightImage, collect};
+use facetmill::verify::experiment::HighlightImage;
+use facetmill::verify::measure::collect;
 use facetmill::verify::tally::{Measurement, Tally};
 
 use super::{Bench, Outcome};
@@ -54,11 +55,11 @@ const SHARES: [Share; 9] = [
 ];
 
 pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
-    progress.stage("tracing light over the plate");
+    progress.stage(Stage::Tracing);
     let measurement = bench.plate.run(Lit { bench, progress }).ok_or_else(|| {
         Failure::Impossible("no light reaches the plate's optical area: check units, orientation and --light".into())
     })?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let whole = &measurement.whole;
     let image = whole.share_image();
     let noise = measurement.image_noise();

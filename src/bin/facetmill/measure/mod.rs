@@ -10,19 +10,20 @@ mod wall;
 
 use facetmill::brdf::material::Material;
 use facetmill::job::exports;
+use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
 use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
+use facetmill::verify::experiment::{Experiment, Measuring};
 
-use crate::console::{Failure, NEVER, Stages, Table, tell};
+use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
+use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
@@ -38,15 +39,15 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
-    lamp: Lamp,
+    lamp: Extent,
     measuring: Measuring,
 }
 
 impl Bench {
     /// The plate's surface as it is to be lit.
     fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
-        let (material, lamp) = (self.material.clone(), self.lamp.clone());
-        Experiment { surface, setup: &self.setup, material, lamp }
+        let lamp = self.setup.lamp().with_extent(self.lamp.clone()).into();
+        Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
 
@@ -59,7 +60,7 @@ struct Outcome {
 }
 
 /// Does what `args` say.
-pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
@@ -72,11 +73,11 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec())?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {
@@ -176,10 +177,10 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Fa
 /// From the middle of a picture-shaped lamp to its rim, degrees.
 const LAMP_HALF_FIELD: f64 = 5.0;
 
-fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
-    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
     let picture = picture::read(path, &Reading::default())?;
-    Lamp::picture(&picture.light, half_field.to_radians())
+    Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use facetmill::export::pixels::{common_white, tone_mapped};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::report::measure::{Measured, NdfFacts};
 use facetmill::trace::Surface;
@@ -46,7 +46,7 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    progress.stage("counting normals");
+    progress.stage(Stage::Normals);
     let rays = args.running.rays().unwrap_or(RAYS);
     let task = Counted { rays, seed: bench.measuring.seed, progress };
     let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
@@ -54,7 +54,7 @@ pub fn measure(
             "this relief stands on no grid: --ndf needs one of planar facets or of heights, as `design` writes".into(),
         )
     })?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let rim = RIM * normals.rms_slope[0].max(normals.rms_slope[1]).max(1e-6);
     let picture = slope_picture(&normals, bench.measuring.resolution, rim);
     staged.write_png("ndf.png", &tone_mapped(&picture, common_white(&picture)))?;
