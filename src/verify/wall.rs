@@ -278,6 +278,7 @@ pub fn wall_image<S: Surface>(
 
 /// Why there is no picture of a wall.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum WallError {
     /// A length out of range.
     #[error("the {what} must be {low} to {high} mm, not {value}", low = WallSettings::LENGTH.start(), high = WallSettings::LENGTH.end())]
