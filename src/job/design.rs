@@ -263,6 +263,7 @@ fn shrunk(light: &Raster) -> Raster {
 
 /// Why no plate came of a recipe.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DesignError {
     /// The recipe itself.
     #[error(transparent)]

@@ -293,6 +293,7 @@ impl<'a> Work<'a> {
 
 /// Why no sheet came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SculptError {
     /// The slopes have no extent.
     #[error(transparent)]
