@@ -13,7 +13,7 @@ use facetmill::facets::arrange::anneal::{Annealing, anneal};
 use facetmill::facets::arrange::assignment::cheapest_assignment;
 use facetmill::facets::arrange::transport;
 use facetmill::facets::heights::LeastSquares;
-use facetmill::facets::sample::cells::equal_mass_centres;
+use facetmill::facets::sample::equal_mass::equal_mass_centres;
 use facetmill::facets::sample::refine::refined;
 use facetmill::progress::Progress;
 use glam::DVec2;
@@ -41,7 +41,9 @@ fn arrangement(c: &mut Criterion) {
     let slopes = subject::slopes(900);
     let place = |k: usize| DVec2::new((k % 30) as f64, (k / 30) as f64);
     let cost: Vec<f64> = (0..900 * 900).map(|k| slopes[k % 900].to_vec().dot(place(k / 900))).collect();
-    group.bench_function("assignment/900", |b| b.iter(|| cheapest_assignment(900, black_box(&cost))));
+    group.bench_function("assignment/900", |b| {
+        b.iter(|| cheapest_assignment(900, black_box(&cost), &Progress::silent()))
+    });
     for side in [30, 100] {
         let slopes = subject::slopes(side * side);
         group.bench_function(BenchmarkId::new("transport", side * side), |b| {

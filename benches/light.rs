@@ -13,7 +13,8 @@ use facetmill::progress::Progress;
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::score::blurred_scores;
 use facetmill::verify::tally::Measurement;
 use facetmill::verify::wasserstein::exact_w1;
@@ -58,7 +59,7 @@ fn scoring(c: &mut Criterion) {
     });
     for resolution in [32, 64] {
         group.bench_function(BenchmarkId::new("w1", resolution), |b| {
-            b.iter(|| exact_w1(black_box(&seen), &target, setup.view(), resolution));
+            b.iter(|| exact_w1(black_box(&seen), &target, setup.view(), resolution, &Progress::silent()));
         });
     }
 }

@@ -4,6 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use facetmill::cutter::Cutter;
+use facetmill::progress::Progress;
 use facetmill::sculpt::closing::Closing;
 use facetmill::sculpt::concave_edges::ConcaveEdges;
 use facetmill::sculpt::edge_slopes::{EdgeSlopes, Lattice};
@@ -68,7 +69,9 @@ fn kernels(criterion: &mut Criterion) {
     }
     let tool = Tool::new(lattice.cell(), cutter);
     let written = relief(lattice, &z, Slope::FLAT);
-    criterion.bench_function("milling on 1000 x 1000 places", |b| b.iter(|| tool.mill(black_box(&written))));
+    criterion.bench_function("milling on 1000 x 1000 places", |b| {
+        b.iter(|| tool.mill(black_box(&written), &Progress::silent()))
+    });
 }
 
 criterion_group!(benches, kernels);

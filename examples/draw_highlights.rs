@@ -7,12 +7,14 @@ use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
-use ab_glyph::{Font, FontRef, OutlineCurve, Point};
 use facetmill::raster::Raster;
 use glam::{DMat3, DVec2, DVec3};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, MetadataProvider};
 
 const SIZE: usize = 256;
 
@@ -102,19 +104,17 @@ struct Lettering {
 impl Lettering {
     /// `extent` is the longer side of the text's box on the image plane.
     fn new(text: &str, extent: f64) -> Result<Self, Box<dyn Error>> {
-        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)?;
-        let mut segments = Vec::new();
-        let mut pen = 0.0;
-        let mut last = None;
+        let font = FontRef::new(epaint_default_fonts::UBUNTU_LIGHT)?;
+        let (size, plain) = (Size::unscaled(), LocationRef::default());
+        let metrics = font.glyph_metrics(size, plain);
+        let mut pen = Pen::default();
         for letter in text.chars() {
-            let id = font.glyph_id(letter);
-            pen += last.map_or(0.0, |last| font.kern_unscaled(last, id)) + 18.0;
-            for curve in font.outline(id).map(|o| o.curves).unwrap_or_default() {
-                flatten(&curve, f64::from(pen), &mut segments);
-            }
-            pen += font.h_advance_unscaled(id);
-            last = Some(id);
+            let id = font.charmap().map(letter).ok_or("the font lacks a letter")?;
+            pen.right += 18.0;
+            font.outline_glyphs().get(id).ok_or("no outline")?.draw(DrawSettings::unhinted(size, plain), &mut pen)?;
+            pen.right += f64::from(metrics.advance_width(id).unwrap_or(0.0));
         }
+        let segments = pen.segments;
         let ends = || segments.iter().map(|s| s.0);
         let (low, high) = ends().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         let scale = extent / (high - low).max_element();
@@ -139,24 +139,59 @@ impl Lettering {
     }
 }
 
-fn flatten(curve: &OutlineCurve, right: f64, segments: &mut Vec<(DVec2, DVec2)>) {
-    let at = |p: &Point| DVec2::new(f64::from(p.x) + right, f64::from(p.y));
-    let points = match curve {
-        OutlineCurve::Line(a, b) => vec![at(a), at(b)],
-        OutlineCurve::Quad(a, b, c) => vec![at(a), at(b), at(c)],
-        OutlineCurve::Cubic(a, b, c, d) => vec![at(a), at(b), at(c), at(d)],
-    };
-    // de Casteljau: repeated halfway points, here at `t`.
-    let point = |t: f64| {
-        let mut row = points.clone();
-        while row.len() > 1 {
-            row = row.windows(2).map(|pair| pair[0].lerp(pair[1], t)).collect();
-        }
-        row[0]
-    };
-    let steps = if points.len() == 2 { 1 } else { 10 };
-    let step = |k: usize| point(k as f64 / steps as f64);
-    segments.extend((0..steps).map(|k| (step(k), step(k + 1))));
+/// Takes outlines in font units and cuts their curves into segments.
+#[derive(Default)]
+struct Pen {
+    /// Where the glyph begins.
+    right: f64,
+    first: DVec2,
+    last: DVec2,
+    segments: Vec<(DVec2, DVec2)>,
+}
+
+impl Pen {
+    fn at(&self, x: f32, y: f32) -> DVec2 {
+        DVec2::new(f64::from(x) + self.right, f64::from(y))
+    }
+
+    /// A Bézier curve from the last point on.
+    fn curve(&mut self, onward: &[DVec2], steps: u32) {
+        let points = [&[self.last], onward].concat();
+        // de Casteljau: repeated halfway points, here at `t`.
+        let point = |t: f64| {
+            let mut row = points.clone();
+            while row.len() > 1 {
+                row = row.windows(2).map(|pair| pair[0].lerp(pair[1], t)).collect();
+            }
+            row[0]
+        };
+        let step = |k: u32| point(f64::from(k) / f64::from(steps));
+        self.segments.extend((0..steps).map(|k| (step(k), step(k + 1))));
+        self.last = points[points.len() - 1];
+    }
+}
+
+impl OutlinePen for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.first = self.at(x, y);
+        self.last = self.first;
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.curve(&[self.at(x, y)], 1);
+    }
+
+    fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
+        self.curve(&[self.at(cx0, cy0), self.at(x, y)], 10);
+    }
+
+    fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
+        self.curve(&[self.at(cx0, cy0), self.at(cx1, cy1), self.at(x, y)], 10);
+    }
+
+    fn close(&mut self) {
+        self.curve(&[self.first], 1);
+    }
 }
 
 /// A marble head with closed eyes, lit from the upper left: the distance to it is known everywhere, and rays march.

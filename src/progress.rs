@@ -1,62 +1,390 @@
 //! How long work reports on itself and is stopped: the library never prints.
+//!
+//! A caller hands a [`Progress`] down. What it may hear is an [`Event`] at a time, and a relief that is under way if it
+//! says that it wants one. What it may ask for goes through a [`CancelToken`], in two strengths: *finish* with the best
+//! so far, or *abandon* everything. Work that was abandoned ends in [`Cancelled`]; work that was told to finish ends as
+//! ever, only sooner and less well.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
+use std::time::Instant;
 
-/// A listener for long work, handed down by the caller.
-///
-/// ```
-/// use facetmill::progress::Progress;
-/// let silent = Progress::silent();
-/// silent.stage("sampling");
-/// silent.fraction(0.5);
-/// assert!(!silent.is_cancelled());
-/// ```
-pub struct Progress<'a> {
-    listen: Option<&'a (dyn Fn(Event<'_>) + Sync)>,
-    cancel: Option<&'a AtomicBool>,
+use glam::DVec2;
+
+/// Time between two reliefs that are shown, ms.
+const BETWEEN_RELIEFS: u64 = 150;
+
+/// A part of the work that takes a while. Its [id](Stage::id) never changes, its [words](Stage::words) may.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Slopes are read off the drawing.
+    Distribution,
+    /// The light is sharpened against what lamp and metal will blur.
+    Sharpening,
+    /// A sheet is shaped.
+    Sculpting,
+    /// Facets are drawn from the slopes wanted.
+    Sampling,
+    /// Facets are put in their places.
+    Arrangement,
+    /// Facets are raised so that neighbours meet.
+    Heights,
+    /// The relief becomes a closed body.
+    Solid,
+    /// A plate is read from a file.
+    Reading,
+    /// Light is sent over the plate.
+    Tracing,
+    /// What came back is compared with the drawing.
+    Scoring,
+    /// The cutter is led over the plate, and light sent over what it leaves.
+    Milling,
+    /// Flat facets of the same recipe are made and judged.
+    Comparison,
+    /// Flat facets are made after all.
+    Facets,
+    /// Light is sent over the plate from every side.
+    Goniometer,
+    /// Normals are counted.
+    Normals,
+    /// Light is thrown on a wall.
+    Wall,
+    /// The plate is looked at.
+    View,
+    /// Files are made and written.
+    Files,
+}
+
+impl Stage {
+    /// A name for programs, which stays the same.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Distribution => "distribution",
+            Self::Sharpening => "sharpening",
+            Self::Sculpting => "sculpting",
+            Self::Sampling => "sampling",
+            Self::Arrangement => "arrangement",
+            Self::Heights => "heights",
+            Self::Solid => "solid",
+            Self::Reading => "reading",
+            Self::Tracing => "tracing",
+            Self::Scoring => "scoring",
+            Self::Milling => "milling",
+            Self::Comparison => "comparison",
+            Self::Facets => "facets",
+            Self::Goniometer => "goniometer",
+            Self::Normals => "normals",
+            Self::Wall => "wall",
+            Self::View => "view",
+            Self::Files => "files",
+        }
+    }
+
+    /// What is done, for people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Distribution => "reading slopes off the highlight",
+            Self::Sharpening => "sharpening what lamp and metal will blur",
+            Self::Sculpting => "sculpting the relief",
+            Self::Sampling => "drawing facets",
+            Self::Arrangement => "arranging facets",
+            Self::Heights => "raising facets",
+            Self::Solid => "closing the solid",
+            Self::Reading => "reading the plate",
+            Self::Tracing => "tracing light over the plate",
+            Self::Scoring => "scoring",
+            Self::Milling => "milling it, and tracing that",
+            Self::Comparison => "comparing with flat facets",
+            Self::Facets => "making flat facets, which are better here",
+            Self::Goniometer => "lighting the plate from all sides",
+            Self::Normals => "counting normals",
+            Self::Wall => "throwing light on the wall",
+            Self::View => "looking at the plate",
+            Self::Files => "writing files",
+        }
+    }
 }
 
 /// What long work says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
-    /// A named stage begins; the one before it is over.
-    Stage(&'a str),
+    /// A stage begins, the one before it is over; and what is to be said of it, if anything.
+    Stage(Stage, Option<&'a str>),
     /// The share of the present stage that is done, 0 to 1.
     Fraction(f64),
+}
+
+/// A sheet that is under way: heights of one cell about its mean plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetSoFar {
+    /// Nodes along each side.
+    pub nodes: usize,
+    /// Size of the cell along x and y, mm.
+    pub cell: DVec2,
+    /// Heights, mm, rows of constant y, the lowest first.
+    pub heights: Vec<f32>,
+}
+
+/// Whoever listens to long work. A closure that takes an [`Event`] is one that wants no reliefs.
+pub trait Listener: Sync {
+    /// Hears an event; on whichever thread it happens.
+    fn hear(&self, event: Event<'_>);
+
+    /// Whether a relief that is under way is wanted now. Asked often: nothing is computed while the answer is no.
+    fn wants_relief(&self) -> bool {
+        false
+    }
+
+    /// Looks at a relief that is under way, at most every 150 ms.
+    fn see(&self, _relief: &SheetSoFar) {}
+}
+
+impl<F: Fn(Event<'_>) + Sync> Listener for F {
+    fn hear(&self, event: Event<'_>) {
+        self(event);
+    }
+}
+
+const GO_ON: u8 = 0;
+const FINISH: u8 = 1;
+const ABANDON: u8 = 2;
+
+/// Ends work from outside, from any thread. Clones are the same token.
+///
+/// ```
+/// use facetmill::progress::CancelToken;
+/// let token = CancelToken::default();
+/// let elsewhere = token.clone();
+/// elsewhere.finish();
+/// assert!(token.is_to_finish() && !token.is_abandoned());
+/// elsewhere.abandon();
+/// elsewhere.finish(); // too late
+/// assert!(token.is_abandoned());
+/// ```
+#[derive(Clone, Default)]
+pub struct CancelToken(Arc<Wish>);
+
+#[derive(Default)]
+struct Wish {
+    strength: AtomicU8,
+    /// Told of every question: how often one is asked can be measured so.
+    watch: Option<Box<dyn Fn() + Send + Sync>>,
+}
+
+impl CancelToken {
+    /// A token that calls `watch` whenever work asks whether it is to end, on the thread that asks: to measure how often
+    /// that is, or to end work at one certain question.
+    pub fn watched(watch: impl Fn() + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Wish { strength: AtomicU8::new(GO_ON), watch: Some(Box::new(watch)) }))
+    }
+
+    /// Asks for the best so far: the design ends early, and all that follows of it is done as ever.
+    pub fn finish(&self) {
+        self.0.strength.fetch_max(FINISH, Ordering::Relaxed);
+    }
+
+    /// Asks for nothing more.
+    pub fn abandon(&self) {
+        self.0.strength.fetch_max(ABANDON, Ordering::Relaxed);
+    }
+
+    /// Whether the work is to come to an end, in either strength.
+    pub fn is_to_finish(&self) -> bool {
+        self.asked() >= FINISH
+    }
+
+    /// Whether nothing more is wanted.
+    pub fn is_abandoned(&self) -> bool {
+        self.asked() >= ABANDON
+    }
+
+    fn asked(&self) -> u8 {
+        if let Some(watch) = &self.0.watch {
+            watch();
+        }
+        self.0.strength.load(Ordering::Relaxed)
+    }
+}
+
+/// Work was abandoned, as its caller asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("abandoned as asked")]
+pub struct Cancelled;
+
+/// What the caller of long work hands down: who listens, and who may end it.
+///
+/// ```
+/// use facetmill::progress::{Progress, Stage};
+/// let silent = Progress::silent();
+/// silent.stage(Stage::Sampling);
+/// silent.fraction(0.5);
+/// assert!(silent.check().is_ok());
+/// ```
+pub struct Progress<'a> {
+    listener: Option<&'a dyn Listener>,
+    cancel: Option<&'a CancelToken>,
+    /// Whether a wish to finish is heard, and not only one to abandon.
+    may_finish: bool,
+    since: Option<Instant>,
+    /// When the last relief was shown, ms after `since`; one more, so that 0 is never.
+    shown: AtomicU64,
 }
 
 impl<'a> Progress<'a> {
     /// Nobody listens and nothing cancels.
     pub const fn silent() -> Self {
-        Self { listen: None, cancel: None }
+        Self { listener: None, cancel: None, may_finish: true, since: None, shown: AtomicU64::new(0) }
     }
 
-    /// `listen` hears every event; raising `cancel` asks the work to stop at its next convenience.
-    pub fn new(listen: &'a (dyn Fn(Event<'_>) + Sync), cancel: &'a AtomicBool) -> Self {
-        Self { listen: Some(listen), cancel: Some(cancel) }
+    /// `listener` hears every event; `cancel` ends the work.
+    pub fn new(listener: &'a dyn Listener, cancel: &'a CancelToken) -> Self {
+        Self { listener: Some(listener), cancel: Some(cancel), since: Some(Instant::now()), ..Self::silent() }
     }
 
-    /// Stopped by the same flag, but nobody listens: for a part of work whose whole reports on itself.
+    /// Ended by the same token, but nobody listens: for a part of work whose whole reports on itself.
     pub const fn hushed(&self) -> Self {
-        Self { listen: None, cancel: self.cancel }
+        Self { cancel: self.cancel, may_finish: self.may_finish, ..Self::silent() }
+    }
+
+    /// Ended only by a wish to abandon, and nobody listens: for work that has no best so far.
+    pub const fn to_the_end(&self) -> Self {
+        Self { cancel: self.cancel, may_finish: false, ..Self::silent() }
     }
 
     /// Announces the next stage.
-    pub fn stage(&self, name: &str) {
-        if let Some(listen) = self.listen {
-            listen(Event::Stage(name));
-        }
+    pub fn stage(&self, stage: Stage) {
+        self.say(Event::Stage(stage, None));
+    }
+
+    /// Announces the next stage, and something that is to be said of it.
+    pub fn stage_with(&self, stage: Stage, note: &str) {
+        self.say(Event::Stage(stage, Some(note)));
     }
 
     /// Says how far the present stage has come, 0 to 1.
     pub fn fraction(&self, done: f64) {
-        if let Some(listen) = self.listen {
-            listen(Event::Fraction(done));
+        self.say(Event::Fraction(done));
+    }
+
+    fn say(&self, event: Event<'_>) {
+        if let Some(listener) = self.listener {
+            listener.hear(event);
         }
     }
 
-    /// Whether the caller wants the work to end early.
-    pub fn is_cancelled(&self) -> bool {
-        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    /// Shows a relief that is under way, if somebody wants one and the last was shown a while ago; else it is not made.
+    pub fn offer_relief(&self, relief: impl FnOnce() -> SheetSoFar) {
+        let (Some(listener), Some(since)) = (self.listener, self.since) else { return };
+        if !listener.wants_relief() {
+            return;
+        }
+        let now = since.elapsed().as_millis() as u64 + 1;
+        let last = self.shown.load(Ordering::Relaxed);
+        let is_due = last == 0 || now >= last + BETWEEN_RELIEFS;
+        // Of two threads at once one shows.
+        if is_due && self.shown.compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed).is_ok() {
+            listener.see(&relief());
+        }
+    }
+
+    /// Whether the caller wants the work to end, with the best so far or at all.
+    pub fn is_to_finish(&self) -> bool {
+        if self.may_finish { self.cancel.is_some_and(CancelToken::is_to_finish) } else { self.is_abandoned() }
+    }
+
+    /// Whether the caller wants nothing more.
+    pub fn is_abandoned(&self) -> bool {
+        self.cancel.is_some_and(CancelToken::is_abandoned)
+    }
+
+    /// Ends work that was abandoned.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_abandoned() { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicUsize;
+
+    use super::*;
+
+    /// Counts the reliefs that it is shown.
+    struct Watcher {
+        wants: bool,
+        seen: AtomicUsize,
+    }
+
+    impl Listener for Watcher {
+        fn hear(&self, _: Event<'_>) {}
+
+        fn wants_relief(&self) -> bool {
+            self.wants
+        }
+
+        fn see(&self, _: &SheetSoFar) {
+            self.seen.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn reliefs_are_made_only_for_who_wants_them_and_not_too_often() {
+        let token = CancelToken::default();
+        for wants in [false, true] {
+            let watcher = Watcher { wants, seen: AtomicUsize::new(0) };
+            let progress = Progress::new(&watcher, &token);
+            let made = AtomicUsize::new(0);
+            let from = Instant::now();
+            for _ in 0..1000 {
+                progress.offer_relief(|| {
+                    made.fetch_add(1, Ordering::Relaxed);
+                    SheetSoFar { nodes: 1, cell: DVec2::ONE, heights: vec![0.0] }
+                });
+            }
+            let most = if wants { 1 + from.elapsed().as_millis() as usize / 150 } else { 0 };
+            let (made, seen) = (made.into_inner(), watcher.seen.into_inner());
+            assert!(made == seen && seen <= most && (seen > 0) == wants, "{made} {seen} {most}");
+        }
+    }
+
+    #[test]
+    fn work_without_a_best_so_far_hears_only_the_stronger_wish() {
+        let token = CancelToken::default();
+        let listen = |_: Event<'_>| {};
+        let progress = Progress::new(&listen, &token);
+        let whole = progress.to_the_end();
+        token.finish();
+        assert!(progress.is_to_finish() && progress.hushed().is_to_finish() && !whole.is_to_finish());
+        assert_eq!((progress.check(), whole.check()), (Ok(()), Ok(())));
+        token.abandon();
+        assert_eq!((progress.check(), whole.check(), whole.is_to_finish()), (Err(Cancelled), Err(Cancelled), true));
+    }
+
+    #[test]
+    fn ids_of_stages_are_words_of_their_own() {
+        use Stage::*;
+        let all = [
+            Distribution,
+            Sharpening,
+            Sculpting,
+            Sampling,
+            Arrangement,
+            Heights,
+            Solid,
+            Reading,
+            Tracing,
+            Scoring,
+            Milling,
+            Comparison,
+            Facets,
+            Goniometer,
+            Normals,
+            Wall,
+            View,
+            Files,
+        ];
+        let ids: std::collections::HashSet<_> = all.iter().map(|stage| stage.id()).collect();
+        assert_eq!(ids.len(), all.len());
     }
 }

@@ -26,9 +26,10 @@ use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::trace::path::{Fate, Follower};
+use facetmill::trace::path::{Fate, PathFollower};
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::wasserstein::exact_w1;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -118,7 +119,7 @@ fn trace<S: Surface>(surface: &S, side: usize) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(777);
     // A mirror looks at no random number.
     let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
-    let mut follower = Follower::new(surface, &Material::MIRROR, BOUNCES);
+    let mut follower = PathFollower::new(surface, &Material::MIRROR, BOUNCES);
     let mut image = vec![0.0f32; PIXELS * PIXELS];
     for row in 0..side {
         for column in 0..side {
@@ -141,7 +142,7 @@ fn trace<S: Surface>(surface: &S, side: usize) -> f64 {
 fn distance(a: &Path, b: &Path) -> Result<Value, Box<dyn Error>> {
     let recipe = Recipe::default();
     let (a, b) = (picture::read(a, &recipe.reading())?.light, picture::read(b, &recipe.reading())?.light);
-    let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64));
+    let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64, &Progress::silent()));
     Ok(json!({ "w1_deg": w1, "seconds": seconds }))
 }
 
@@ -153,7 +154,7 @@ fn assignment(directory: &Path, cost_file: &Path) -> Result<Value, Box<dyn Error
     let place = |k: usize| DVec2::new((k % columns) as f64, (k / columns) as f64);
     let cost: Vec<f64> = (0..n * n).map(|k| grid.slopes[k % n].to_vec().dot(place(k / n))).collect();
     write(cost_file, cost.iter().flat_map(|c| c.to_le_bytes()).collect::<Vec<u8>>())?;
-    let (order, seconds) = timed(|| cheapest_assignment(n, &cost));
+    let (order, seconds) = timed(|| cheapest_assignment(n, &cost, &Progress::silent()));
     let total: f64 = order.iter().enumerate().map(|(i, &j)| cost[i * n + j]).sum();
     let dome = || transport::dome(grid.slopes.clone(), columns, grid.rows, DVec2::ONE, &Progress::silent());
     let (_, arranging) = timed(dome);

@@ -2,13 +2,15 @@
 
 use std::sync::LazyLock;
 
-use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
+use ab_glyph_rasterizer::{Point, Rasterizer, point};
 use image::{Rgb, RgbImage};
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
 
-/// The face that comes with the program, so that pictures are the same on every machine.
-static FACE: LazyLock<FontRef<'static>> = LazyLock::new(|| {
-    FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).expect("the embedded font is a valid font")
-});
+/// The face that comes with the program, so that pictures are the same on every machine. It has no table of kerning.
+static FACE: LazyLock<FontRef<'static>> =
+    LazyLock::new(|| FontRef::new(epaint_default_fonts::UBUNTU_LIGHT).expect("the embedded font is a valid font"));
 
 /// Which part of the text stands at the anchor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,11 +55,10 @@ pub fn draw(image: &mut RgbImage, text: &str, anchor: (f32, f32), style: Style) 
         if left + placed.end < -style.size || left + placed.start > columns as f32 + style.size {
             continue;
         }
-        let position = point(left + placed.start, anchor.1);
-        let glyph = placed.glyph.with_scale_and_position(em(style.size), position);
-        let Some(outline) = FACE.outline_glyph(glyph) else { continue };
-        let corner = outline.px_bounds().min;
-        outline.draw(|x, y, coverage| {
+        let origin = point(left + placed.start, anchor.1);
+        let Some(outline) = Outline::of(placed.glyph, style.size, origin) else { continue };
+        let (corner, raster) = outline.rasterised();
+        raster.for_each_pixel_2d(|x, y, coverage| {
             let (x, y) = (corner.x as i64 + i64::from(x), corner.y as i64 + i64::from(y));
             if (0..columns).contains(&x) && (0..rows).contains(&y) {
                 // A light face on white looks washed out at its true coverage: the edges get more ink.
@@ -93,21 +94,115 @@ struct Placed {
 }
 
 fn laid_out(text: &str, size: f32) -> impl Iterator<Item = Placed> {
-    let face = FACE.as_scaled(em(size));
-    let mut before: Option<GlyphId> = None;
+    let signs = FACE.charmap();
+    // In font units, so that nothing is rounded to a pixel grid.
+    let metrics = FACE.glyph_metrics(Size::unscaled(), LocationRef::default());
+    let scale = pixels_per_unit(size);
     let mut at = 0.0;
     text.char_indices().filter(|(_, c)| !c.is_control()).map(move |(byte, c)| {
-        let glyph = face.glyph_id(c);
-        let start = at + before.map_or(0.0, |b| face.kern(b, glyph));
-        at = start + face.h_advance(glyph);
-        before = Some(glyph);
+        let glyph = signs.map(c).unwrap_or(GlyphId::NOTDEF);
+        let start = at;
+        at = start + scale * metrics.advance_width(glyph).unwrap_or(0.0);
         Placed { glyph, start, end: at, byte_end: byte + c.len_utf8() }
     })
 }
 
-/// The font library scales by ascent plus descent; sizes here are those of the em, as everywhere else.
-fn em(size: f32) -> PxScale {
-    PxScale::from(size * FACE.height_unscaled() / FACE.units_per_em().unwrap_or(1000.0))
+/// Pixels per font unit where the em is `size` pixels.
+fn pixels_per_unit(size: f32) -> f32 {
+    let units_per_em = FACE.metrics(Size::unscaled(), LocationRef::default()).units_per_em;
+    size / f32::from(units_per_em.max(1))
+}
+
+/// The closed curves of one glyph, pixels, y downwards. The font library moves it as a pen.
+struct Outline {
+    /// Where the glyph's own (0, 0) lies: the left end of its baseline.
+    origin: Point,
+    /// Pixels per font unit.
+    scale: f32,
+    curves: Vec<Curve>,
+    /// Where the contour under way began, and where its pen stands.
+    first: Point,
+    last: Point,
+}
+
+/// A line, or a Bézier curve of the second or third degree, from its first point to its last.
+enum Curve {
+    Line([Point; 2]),
+    Quad([Point; 3]),
+    Cubic([Point; 4]),
+}
+
+impl Curve {
+    fn points(&self) -> &[Point] {
+        match self {
+            Self::Line(points) => points,
+            Self::Quad(points) => points,
+            Self::Cubic(points) => points,
+        }
+    }
+}
+
+impl Outline {
+    /// Of a glyph that begins at `origin`; nothing where it has no ink.
+    fn of(glyph: GlyphId, size: f32, origin: Point) -> Option<Self> {
+        let scale = pixels_per_unit(size);
+        let mut outline = Self { origin, scale, curves: Vec::new(), first: origin, last: origin };
+        let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+        FACE.outline_glyphs().get(glyph)?.draw(settings, &mut outline).ok()?;
+        (!outline.curves.is_empty()).then_some(outline)
+    }
+
+    /// Share of each pixel that the outline covers, and the pixel in which that raster begins.
+    fn rasterised(&self) -> (Point, Rasterizer) {
+        let points = || self.curves.iter().flat_map(Curve::points);
+        let low = points().fold(point(f32::INFINITY, f32::INFINITY), |m, p| point(m.x.min(p.x), m.y.min(p.y)));
+        let high = points().fold(point(f32::NEG_INFINITY, f32::NEG_INFINITY), |m, p| point(m.x.max(p.x), m.y.max(p.y)));
+        let corner = point(low.x.floor(), low.y.floor());
+        // Places that are not numbers leave a raster without pixels.
+        let mut raster = Rasterizer::new((high.x.ceil() - corner.x) as usize, (high.y.ceil() - corner.y) as usize);
+        for curve in &self.curves {
+            match *curve {
+                Curve::Line([a, b]) => raster.draw_line(a - corner, b - corner),
+                Curve::Quad([a, b, c]) => raster.draw_quad(a - corner, b - corner, c - corner),
+                Curve::Cubic([a, b, c, d]) => raster.draw_cubic(a - corner, b - corner, c - corner, d - corner),
+            }
+        }
+        (corner, raster)
+    }
+
+    fn at(&self, x: f32, y: f32) -> Point {
+        self.origin + point(self.scale * x, -self.scale * y)
+    }
+}
+
+impl OutlinePen for Outline {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.first = self.at(x, y);
+        self.last = self.first;
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let end = self.at(x, y);
+        self.curves.push(Curve::Line([self.last, end]));
+        self.last = end;
+    }
+
+    fn quad_to(&mut self, cx0: f32, cy0: f32, x: f32, y: f32) {
+        let end = self.at(x, y);
+        self.curves.push(Curve::Quad([self.last, self.at(cx0, cy0), end]));
+        self.last = end;
+    }
+
+    fn curve_to(&mut self, cx0: f32, cy0: f32, cx1: f32, cy1: f32, x: f32, y: f32) {
+        let end = self.at(x, y);
+        self.curves.push(Curve::Cubic([self.last, self.at(cx0, cy0), self.at(cx1, cy1), end]));
+        self.last = end;
+    }
+
+    fn close(&mut self) {
+        self.curves.push(Curve::Line([self.last, self.first]));
+        self.last = self.first;
+    }
 }
 
 fn ink(image: &mut RgbImage, x: u32, y: u32, colour: Rgb<u8>, cover: f32) {
@@ -161,7 +256,7 @@ mod tests {
     #[test]
     fn every_sign_the_pictures_use_is_in_the_face() {
         for sign in "°−×·±%…≤µσαωθΩé–,".chars() {
-            assert_ne!(FACE.glyph_id(sign), GlyphId(0), "{sign}");
+            assert!(FACE.charmap().map(sign).is_some(), "{sign}");
         }
     }
 

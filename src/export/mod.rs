@@ -28,10 +28,6 @@ pub mod heightmap;
 
 pub mod shading;
 
-mod bsdf_warp;
-
-mod bsdf_fit;
-
 pub mod bsdf;
 
 pub mod merl;

@@ -6,10 +6,12 @@ use thiserror::Error;
 use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
 
-/// Least number of single-precision steps between nodes.
+/// Least number of single-precision steps between nodes: rounded by half a step each, they stay in order and their
+/// distance changes by an eighth at worst.
 const LEAST_STEPS: f64 = 8.0;
 
-/// Share of the nodes' distance that single precision may spoil in heights: the most it may cost in slope.
+/// Largest step of single precision in heights, as a share of the nodes' distance: the most that rounding may cost in
+/// slope. It turns light by 0.011°, a fortieth of the finest blur in reports.
 const WORST_SLOPE: f64 = 1e-4;
 
 /// The solid body under `relief`, with a rim `rim` mm wide level with its lowest point, whose flat base lies
@@ -131,6 +133,7 @@ fn fan(mesh: &mut Mesh, rim: &[u32], middle: [f32; 3]) {
 
 /// Why a sheet has no solid body.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SheetError {
     /// A height is infinite or not a number.
     #[error("the relief has a height that is not a finite number")]

@@ -49,15 +49,15 @@ impl LeastSquares {
     pub fn heights(&self, grid: &SlopeGrid) -> Vec<f64> {
         let cell = self.pitch.x * self.pitch.y;
         let mut field = vec![0.0; grid.cells()];
-        let mut pull = |a: usize, b: usize, climb: f64| {
+        let mut add = |a: usize, b: usize, climb: f64| {
             field[b] += 0.5 * cell * climb;
             field[a] -= 0.5 * cell * climb;
         };
         for (a, b) in grid.x_pairs(self.periodic) {
-            pull(a, b, grid.slopes[a].p + grid.slopes[b].p);
+            add(a, b, grid.slopes[a].p + grid.slopes[b].p);
         }
         for (a, b) in grid.y_pairs(self.periodic) {
-            pull(a, b, grid.slopes[a].q + grid.slopes[b].q);
+            add(a, b, grid.slopes[a].q + grid.slopes[b].q);
         }
         self.poisson.solve(field)
     }
@@ -121,6 +121,8 @@ impl Poisson {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, DVector};
+
     use super::*;
     use crate::facets::steps::steps;
     use crate::slope::Slope;
@@ -146,32 +148,19 @@ mod tests {
         values
     }
 
-    /// Solves Σ w (c_k - c_n) = Σ ± w d by elimination, edges (a, b, w, d), with the mean pinned to zero.
+    /// The heights c of mean zero that minimise Σ w (c_b - c_a - d)² over the edges (a, b, w, d), by the pseudo-inverse
+    /// of the whole matrix of edges.
     fn dense(n: usize, edges: &[(usize, usize, f64, f64)]) -> Vec<f64> {
-        let mut m = vec![vec![1.0; n + 1]; n];
-        m.iter_mut().for_each(|row| row[n] = 0.0);
-        for &(a, b, w, d) in edges {
-            for (k, other, sign) in [(a, b, -1.0), (b, a, 1.0)] {
-                m[k][k] += w;
-                m[k][other] -= w;
-                m[k][n] += sign * w * d;
-            }
+        let mut climbs = DMatrix::zeros(edges.len() + 1, n);
+        let mut wanted = DVector::zeros(edges.len() + 1);
+        for (row, &(a, b, w, d)) in edges.iter().enumerate() {
+            climbs[(row, a)] -= w.sqrt();
+            climbs[(row, b)] += w.sqrt();
+            wanted[row] = w.sqrt() * d;
         }
-        for c in 0..n {
-            let pivot = (c..n).max_by(|&i, &j| m[i][c].abs().total_cmp(&m[j][c].abs())).unwrap();
-            m.swap(c, pivot);
-            let lead = m[c].clone();
-            for row in m.iter_mut().skip(c + 1) {
-                let factor = row[c] / lead[c];
-                row.iter_mut().zip(&lead).for_each(|(v, l)| *v -= factor * l);
-            }
-        }
-        let mut x = vec![0.0; n];
-        for c in (0..n).rev() {
-            let known: f64 = (c + 1..n).map(|k| m[c][k] * x[k]).sum();
-            x[c] = (m[c][n] - known) / m[c][c];
-        }
-        x
+        // The last row asks for a sum of zero.
+        climbs.row_mut(edges.len()).fill(1.0);
+        climbs.svd(true, true).solve(&wanted, 1e-12).unwrap().iter().copied().collect()
     }
 
     #[test]
@@ -189,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_without_a_surface_satisfy_the_normal_equations() {
+    fn slopes_without_a_surface_get_the_heights_of_a_dense_least_squares_solver() {
         for (columns, rows) in [(5, 7), (4, 6), (1, 8), (11, 1), (2, 2), (3, 2), (2, 5), (1, 1)] {
             for periodic in [false, true] {
                 let grid = rough(columns, rows);

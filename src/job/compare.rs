@@ -2,12 +2,13 @@
 
 use super::design::{Design, DesignError, design};
 use super::proof::{Proof, send_over_milled_facets};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::Task;
-use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
 use crate::verify::score::blurred_scores;
 use crate::verify::verdict::MAIN_BLUR;
 
@@ -56,16 +57,18 @@ pub fn beside_facets(
     plate: &Design,
     proof: &Proof,
     progress: &Progress,
-) -> Option<FacetComparison> {
+) -> Result<Option<FacetComparison>, Cancelled> {
     if plate.sheet.is_none() || recipe.design.polish > 0.0 {
-        return None;
+        return Ok(None);
     }
-    progress.stage("comparing with flat facets");
+    progress.stage(Stage::Comparison);
     let recipe = of_facets(recipe);
-    let flat = scored(&recipe, light, proof, progress).ok().flatten()?;
+    let scored = scored(&recipe, light, proof, progress);
+    progress.check()?;
+    let Ok(Some(flat)) = scored else { return Ok(None) };
     let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
     let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
-    Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() })
+    Ok(Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() }))
 }
 
 /// The same recipe for flat facets, in one dome: the best that facets can do.
@@ -77,7 +80,7 @@ pub fn of_facets(recipe: &Recipe) -> Recipe {
 
 /// The score of a recipe's facets.
 fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -> Result<Option<Score>, DesignError> {
-    let plate = design(recipe, light, &Progress::silent())?;
+    let plate = design(recipe, light, &progress.to_the_end())?;
     let setup = &plate.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), seed: recipe.design.seed, ..Measuring::default() };
     let metal = recipe.metal();

@@ -1,24 +1,23 @@
 //! From a recipe and its picture to a plate.
 
-use cpu_time::ProcessTime;
-
+use super::clock::Clock;
 use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
 use crate::facets::SlopeGrid;
-use crate::facets::arrange::{anneal::anneal_best, cells::in_cells, random_order, transport};
+use crate::facets::arrange::{anneal::anneal_best, per_cell::arrange_per_cell, random_order, transport};
 use crate::facets::heights::{least_squares, weyrich2009};
 use crate::facets::sample::sample;
 use crate::facets::steps::{Steps, steps};
 use crate::highlight::Highlight;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::checkpoint::Checkpoint;
-use crate::sculpt::stages::{Sheet, least_stray, sculpt};
+use crate::sculpt::stages::{SculptError, Sheet, TooNarrow, least_stray, sculpt};
 use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
@@ -49,6 +48,8 @@ pub struct Design {
     pub relief: FacetedRelief,
     /// The closed solid.
     pub mesh: Mesh,
+    /// Whether it was told to finish before its end: it is the best so far.
+    pub ended_early: bool,
     /// CPU seconds by stage, in order.
     pub seconds: Vec<(&'static str, f64)>,
 }
@@ -73,7 +74,8 @@ pub type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send
 /// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
 /// tells `on_step` of every step that is done.
 ///
-/// Cancelled, a sheet is the best so far; facets end in [`DesignError::Cancelled`].
+/// Told to finish, it ends with the best so far, facets less well arranged or a sheet less well shaped; abandoned, in
+/// [`DesignError::Cancelled`].
 pub fn design_with_checkpoints(
     recipe: &Recipe,
     light: &Raster,
@@ -83,23 +85,24 @@ pub fn design_with_checkpoints(
 ) -> Result<Design, DesignError> {
     recipe.check()?;
     let mut clock = Clock::start();
-    progress.stage("reading slopes off the highlight");
+    progress.stage(Stage::Distribution);
     let setup = recipe.setup();
     let (highlight, sharpening) = wanted(recipe, light, &setup, progress)?;
     if sharpening.is_some() {
-        clock.lap("sharpening");
+        clock.lap(Stage::Sharpening);
     }
     let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
-    clock.lap("distribution");
-    let plate = match recipe.surface() {
+    clock.lap(Stage::Distribution);
+    let made = match recipe.surface() {
         SurfaceKind::Facets => faceted(recipe, &distribution, &mut clock, progress)?,
         SurfaceKind::Sheet => {
             let on_step = &mut |at: &Checkpoint| on_step(&distribution, at);
-            continuous(recipe, &distribution, Way { from, on_step }, &mut clock, progress)?
+            continuous(recipe, &distribution, Stepwise { from, on_step }, &mut clock, progress)?
         }
     };
-    let Plate { facets, sheet, least_stray, relief, mesh } = plate;
-    let seconds = clock.laps;
+    progress.check()?;
+    let Made { facets, sheet, least_stray, relief, mesh, ended_early } = made;
+    let seconds = clock.into_laps();
     Ok(Design {
         below_plate: highlight.below_plate,
         sharpening,
@@ -109,6 +112,7 @@ pub fn design_with_checkpoints(
         least_stray,
         relief,
         mesh,
+        ended_early,
         seconds,
     })
 }
@@ -138,23 +142,24 @@ fn wanted(
         return Err(DesignError::MostlyBelow { share: highlight.below_plate });
     }
     let sharpening = recipe.blur(setup).map(|blur| {
-        progress.stage("sharpening what lamp and metal will blur");
+        progress.stage(Stage::Sharpening);
         sharpen(&mut highlight.flux, &blur, progress)
     });
     Ok((highlight, sharpening))
 }
 
 /// What comes of either kind of relief.
-struct Plate {
+struct Made {
     facets: Option<Facets>,
     sheet: Option<Sheet>,
     least_stray: Option<Unavoidable>,
     relief: FacetedRelief,
     mesh: Mesh,
+    ended_early: bool,
 }
 
-/// Where a sheet comes from, and who hears of it on its way.
-struct Way<'a> {
+/// Where a sheet goes on from, and who hears of its steps.
+struct Stepwise<'a> {
     from: Option<Checkpoint>,
     on_step: &'a mut dyn FnMut(&Checkpoint),
 }
@@ -162,30 +167,29 @@ struct Way<'a> {
 fn continuous(
     recipe: &Recipe,
     distribution: &SlopeDistribution,
-    way: Way,
+    stepwise: Stepwise,
     clock: &mut Clock,
     progress: &Progress,
-) -> Result<Plate, DesignError> {
+) -> Result<Made, DesignError> {
     let sculpting = recipe.sculpting();
     let least_stray = least_stray(distribution, &sculpting);
     match least_stray {
         Some(stray) => {
             let share = 100.0 * stray.share;
-            progress.stage(&format!(
-                "sculpting the relief (no cutter keeps less than {share:.2}% of the light from straying)"
-            ));
+            let note = format!("no cutter keeps less than {share:.2}% of the light from straying");
+            progress.stage_with(Stage::Sculpting, &note);
         }
-        None => progress.stage("sculpting the relief"),
+        None => progress.stage(Stage::Sculpting),
     }
-    let none = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::TooNarrow };
-    let sheet = sculpt(distribution, &sculpting, way.from, way.on_step, progress).ok_or_else(none)?;
-    clock.lap("sculpting");
+    let sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
+    let ended_early = sheet.stopped_early().is_some();
+    clock.lap(Stage::Sculpting);
     shallow_enough(sheet.relief.depth(), recipe.design.max_depth)?;
-    progress.stage("closing the solid");
+    progress.stage(Stage::Solid);
     let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
-    clock.lap("solid");
-    Ok(Plate { facets: None, sheet: Some(sheet), least_stray, relief, mesh })
+    clock.lap(Stage::Solid);
+    Ok(Made { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
@@ -200,22 +204,21 @@ fn faceted(
     distribution: &SlopeDistribution,
     clock: &mut Clock,
     progress: &Progress,
-) -> Result<Plate, DesignError> {
+) -> Result<Made, DesignError> {
     let [columns, rows] = recipe.facets();
     let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
-    progress.stage("drawing facets");
+    progress.stage(Stage::Sampling);
     let points = sample(distribution, columns * rows, recipe.sampling(), seed, progress);
     let slopes = points.iter().map(|uv| distribution.setup.slope_at(*uv).unwrap_or(Slope::FLAT)).collect();
-    clock.lap("sampling");
+    clock.lap(Stage::Sampling);
 
-    progress.stage("arranging facets");
+    progress.stage(Stage::Arrangement);
     let grid = arranged(recipe, slopes, progress);
-    clock.lap("arrangement");
-    if progress.is_cancelled() {
-        return Err(DesignError::Cancelled);
-    }
+    clock.lap(Stage::Arrangement);
+    progress.check()?;
+    let ended_early = progress.is_to_finish();
 
-    progress.stage("raising facets");
+    progress.stage(Stage::Heights);
     let (periodic, heights) = match recipe.heights() {
         Heights::Free => (false, least_squares(&grid, pitch, false)),
         Heights::Cyclic => (true, least_squares(&grid, pitch, true)),
@@ -224,18 +227,19 @@ fn faceted(
     let steps = steps(&grid, &heights, pitch, periodic);
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
     let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
-    clock.lap("heights");
+    clock.lap(Stage::Heights);
 
-    progress.stage("closing the solid");
+    progress.stage(Stage::Solid);
     let mesh = solid(&relief, recipe.plate.thickness)?;
-    clock.lap("solid");
-    Ok(Plate { facets: Some(Facets { grid, steps }), sheet: None, least_stray: None, relief, mesh })
+    clock.lap(Stage::Solid);
+    let facets = Some(Facets { grid, steps });
+    Ok(Made { facets, sheet: None, least_stray: None, relief, mesh, ended_early })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
     let [columns, rows] = recipe.facets();
     let pitch = recipe.pitch();
-    in_cells(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
+    arrange_per_cell(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
         let seed = recipe.design.seed.wrapping_add(cell as u64);
         if recipe.arrangement() == Arrangement::Transport {
             return transport::dome(slopes, columns, rows, pitch, progress);
@@ -257,25 +261,9 @@ fn shrunk(light: &Raster) -> Raster {
     if side == light.width { light.clone() } else { light.resampled(side, side) }
 }
 
-struct Clock {
-    last: ProcessTime,
-    laps: Vec<(&'static str, f64)>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { last: ProcessTime::now(), laps: Vec::new() }
-    }
-
-    fn lap(&mut self, stage: &'static str) {
-        let now = ProcessTime::now();
-        self.laps.push((stage, now.duration_since(self.last).as_secs_f64()));
-        self.last = now;
-    }
-}
-
 /// Why no plate came of a recipe.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DesignError {
     /// The recipe itself.
     #[error(transparent)]
@@ -304,9 +292,9 @@ pub enum DesignError {
     /// The sheet's triangles cannot be traced.
     #[error(transparent)]
     Mesh(#[from] MeshSurfaceError),
-    /// The highlight has no extent on the slope plane.
-    #[error("the highlight cannot be laid out as slopes around its mean: raise --half-field, or take --surface flat")]
-    TooNarrow,
+    /// No sheet has the slopes.
+    #[error(transparent)]
+    TooNarrow(#[from] TooNarrow),
     /// The relief sends nothing into the image.
     #[error("no light reaches the highlight image: the relief shades itself completely")]
     NoLight,
@@ -321,8 +309,17 @@ pub enum DesignError {
         most: f64,
     },
     /// The caller asked to stop.
-    #[error("stopped as asked; nothing was written")]
-    Cancelled,
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<SculptError> for DesignError {
+    fn from(error: SculptError) -> Self {
+        match error {
+            SculptError::TooNarrow(narrow) => narrow.into(),
+            SculptError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
 }
 
 #[cfg(test)]

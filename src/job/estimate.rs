@@ -3,8 +3,8 @@
 use crate::export::stl::stl_bytes;
 use crate::facets::sample::Sampling;
 use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
+use crate::report::estimate::{EstimateReport, Parts};
 use crate::sculpt::milled_facets::places;
-use serde_json::{Value, json};
 
 /// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
 type Measured = &'static [(f64, f64)];
@@ -43,10 +43,10 @@ const MILLED_PLACE: f64 = 4.5e-7;
 /// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
 const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
 
-/// What a design of `recipe` will be, as the object that a dry run prints; `proved` if light is to be sent over it.
+/// What a design of `recipe` will be; `proved` if light is to be sent over it.
 ///
 /// "About" is within a third; of a sheet, triangles and bytes are exact but for its base.
-pub fn estimate(recipe: &Recipe, proved: bool) -> Value {
+pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
     if recipe.surface() == SurfaceKind::Sheet {
         return continuous_facts(recipe, proved);
     }
@@ -58,20 +58,21 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> Value {
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
     let milled = recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
-    json!({
-        "dry_run": true,
-        "plate_mm": recipe.plate.size.map(|side| side + rim),
-        "pitch_mm": [pitch.x, pitch.y],
-        "facets": facets,
-        "stl_triangles_about": triangles,
-        "stl_bytes_about": stl_bytes(triangles),
-        "design_cpu_seconds_about": design_seconds(recipe),
-        "verify_cpu_seconds_about": if proved { proof + milled } else { 0.0 },
-        "files_cpu_seconds_about": FILES + 2e-6 * facets as f64,
-    })
+    EstimateReport {
+        dry_run: true,
+        plate_mm: recipe.plate.size.map(|side| side + rim),
+        pitch_mm: pitch.to_array(),
+        parts: Parts::Facets { facets },
+        stl_triangles_about: triangles,
+        stl_bytes_about: stl_bytes(triangles),
+        design_cpu_seconds_about: design_seconds(recipe),
+        verify_cpu_seconds_about: if proved { proof + milled } else { 0.0 },
+        files_cpu_seconds_about: FILES + 2e-6 * facets as f64,
+        least_stray_share: None,
+    }
 }
 
-fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
+fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let sculpting = recipe.sculpting();
     let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
     let nodes = (sculpting.grid * sculpting.grid) as f64;
@@ -84,18 +85,18 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> Value {
     let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
     let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c);
     let beside = flat + recipe.design.cutter.map_or(0.0, milled);
-    json!({
-        "dry_run": true,
-        "plate_mm": recipe.plate.size.map(|side| side + rim),
-        "pitch_mm": [step.x, step.y],
-        "grid": sculpting.grid,
-        "cells": sculpting.cells,
-        "stl_triangles_about": triangles,
-        "stl_bytes_about": stl_bytes(triangles),
-        "design_cpu_seconds_about": 0.1 + each * nodes,
-        "verify_cpu_seconds_about": if proved { proof + beside } else { 0.0 },
-        "files_cpu_seconds_about": FILES + 2e-7 * triangles as f64,
-    })
+    EstimateReport {
+        dry_run: true,
+        plate_mm: recipe.plate.size.map(|side| side + rim),
+        pitch_mm: step.to_array(),
+        parts: Parts::Sheet { grid: sculpting.grid, cells: sculpting.cells },
+        stl_triangles_about: triangles,
+        stl_bytes_about: stl_bytes(triangles),
+        design_cpu_seconds_about: 0.1 + each * nodes,
+        verify_cpu_seconds_about: if proved { proof + beside } else { 0.0 },
+        files_cpu_seconds_about: FILES + 2e-7 * triangles as f64,
+        least_stray_share: None,
+    }
 }
 
 fn proof_seconds(recipe: &Recipe) -> f64 {

@@ -1,8 +1,13 @@
 //! The whole job as one call: from a recipe and its picture to everything that an output folder holds.
 //!
-//! [`run`] designs a plate, proves it, compares it with flat facets and takes them where they are clearly better. What
+//! [`Job::run`] designs a plate, proves it, compares it with flat facets and takes them where they are clearly better. What
 //! comes of it, a [`Product`], tells its [report](Product::report) and hands out its [files](Product::write), in memory
 //! or into a folder. Each step can be had by itself: [`design`], [`proof`], [`compare`], [`estimate`], [`pictures`].
+//!
+//! Nothing here is shared between jobs: several may run in one process, each on [threads of its own](clock::on_own_threads)
+//! that it is billed for, each heard of and ended through its own [`Progress`].
+
+pub mod clock;
 
 pub mod design;
 
@@ -14,14 +19,18 @@ pub mod estimate;
 
 pub mod pictures;
 
+mod advice;
+
 pub mod report;
 
 mod product;
 
-pub use product::{Content, FILES, Product, png};
+pub mod exports;
+
+pub use product::{Content, Product, png};
 
 use crate::picture::Picture;
-use crate::progress::Progress;
+use crate::progress::{Progress, Stage};
 use crate::recipe::Recipe;
 use crate::sculpt::checkpoint::Checkpoint;
 use compare::{beside_facets, of_facets};
@@ -39,12 +48,48 @@ pub struct Job<'a> {
     pub proved: bool,
 }
 
+/// How a job ends that meets no error.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// With all that was asked for.
+    Finished(Product),
+    /// With the best so far, since it was told to finish; the product is proved as any other.
+    FinishedEarly(Product),
+    /// With nothing, since it was abandoned.
+    Abandoned,
+}
+
+impl Outcome {
+    /// What came of the job, if anything.
+    pub fn product(self) -> Option<Product> {
+        match self {
+            Self::Finished(product) | Self::FinishedEarly(product) => Some(product),
+            Self::Abandoned => None,
+        }
+    }
+}
+
 impl Job<'_> {
-    /// Does the work: design, proof, comparison with facets and the choice between the two.
+    /// Does the work: design, proof, comparison with facets and the choice between the two; on the threads of the pool
+    /// that it is called in, for which see [`clock::on_own_threads`].
     ///
     /// A sheet goes on `from` where an earlier run of the same recipe had come, and `on_step` is told of every step that
     /// is done.
     pub fn run(
+        &self,
+        from: Option<Checkpoint>,
+        on_step: OnStep<'_>,
+        progress: &Progress,
+    ) -> Result<Outcome, DesignError> {
+        match self.product(from, on_step, progress) {
+            Ok(product) if product.design.ended_early => Ok(Outcome::FinishedEarly(product)),
+            Ok(product) => Ok(Outcome::Finished(product)),
+            Err(DesignError::Cancelled(_)) => Ok(Outcome::Abandoned),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn product(
         &self,
         from: Option<Checkpoint>,
         on_step: OnStep<'_>,
@@ -57,14 +102,16 @@ impl Job<'_> {
             return Ok(Product { recipe, design: made, proof: None, comparison: None });
         }
         let proof = prove(&recipe, light, &made, progress)?;
-        let comparison = beside_facets(&recipe, light, &made, &proof, progress);
+        let comparison = beside_facets(&recipe, light, &made, &proof, progress)?;
         let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
         if !facets_win {
             return Ok(Product { recipe, design: made, proof: Some(proof), comparison });
         }
-        progress.stage("making flat facets, which are better here");
+        progress.stage(Stage::Facets);
         let recipe = of_facets(&recipe);
-        let made = design(&recipe, light, progress)?;
+        let mut facets = design(&recipe, light, &progress.to_the_end())?;
+        facets.ended_early |= made.ended_early;
+        let made = facets;
         let proof = prove(&recipe, light, &made, progress)?;
         Ok(Product { recipe, design: made, proof: Some(proof), comparison })
     }

@@ -3,7 +3,7 @@
 use super::design::{Design, DesignError};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
@@ -15,7 +15,8 @@ use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
-use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::{Likeness, change, likeness};
@@ -60,17 +61,19 @@ pub struct MilledProof {
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
-    progress.stage("tracing light over the relief");
+    progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let judged = |measurement: Option<Measurement>| {
-        let unlit = || if progress.is_cancelled() { DesignError::Cancelled } else { DesignError::NoLight };
-        let measurement = measurement.ok_or_else(unlit)?;
-        progress.stage("scoring");
-        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(unlit)?;
+        progress.check()?;
+        let measurement = measurement.ok_or(DesignError::NoLight)?;
+        progress.stage(Stage::Scoring);
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress);
+        progress.check()?;
+        let verdict = verdict.ok_or(DesignError::NoLight)?;
         Ok::<_, DesignError>((measurement, verdict))
     };
     let (measurement, verdict) = judged(match &design.sheet {
@@ -78,8 +81,12 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         // The triangles themselves, as they stand in the file.
         Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
     })?;
-    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, sheet));
-    let sheet = made.as_ref().and_then(|made| made.looked_at(recipe, &target, setup));
+    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, sheet, progress));
+    progress.check()?;
+    let sheet = match &made {
+        Some(made) => made.looked_at(recipe, &target, setup, progress)?,
+        None => None,
+    };
     let milled = match send_over_milled(recipe, design, made.as_ref(), mirrored)? {
         None => None,
         Some((measurement, left)) => {
@@ -99,12 +106,12 @@ struct CutSheet {
 }
 
 impl CutSheet {
-    fn of(recipe: &Recipe, sheet: &Sheet) -> Self {
+    fn of(recipe: &Recipe, sheet: &Sheet, progress: &Progress) -> Self {
         let relief = &sheet.relief;
         let (cut, left) = match recipe.design.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter).mill(relief);
+                let milled = Tool::new(relief.cell, cutter).mill(relief, progress);
                 let left = milled.most_left();
                 (milled.relief, left)
             }
@@ -112,15 +119,23 @@ impl CutSheet {
         Self { relief: polished(cut, recipe.design.polish), left }
     }
 
-    fn looked_at(&self, recipe: &Recipe, target: &Raster, setup: &Setup) -> Option<SheetProof> {
+    fn looked_at(
+        &self,
+        recipe: &Recipe,
+        target: &Raster,
+        setup: &Setup,
+        progress: &Progress,
+    ) -> Result<Option<SheetProof>, Cancelled> {
         // Windows lie anywhere on a plate of many cells.
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
-        let changed = change(&self.relief, setup);
-        let detail = smallest_detail(&self.relief, &changed);
-        let diffracted = diffracted(&self.relief, 1.0, &changed);
+        let change = change(&self.relief, setup);
+        let changed = |heights: &[f32]| if progress.is_abandoned() { 1.0 } else { change(heights) };
+        let detail = smallest_detail(&self.relief, changed);
+        let diffracted = diffracted(&self.relief, 1.0, changed);
+        progress.check()?;
         let blur = recipe.blur(setup);
-        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed)?;
-        Some(SheetProof { windows, detail, diffracted })
+        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed);
+        Ok(windows.map(|windows| SheetProof { windows, detail, diffracted }))
     }
 }
 
@@ -135,7 +150,7 @@ fn send_over_milled(
     if cutter.is_none() && recipe.design.polish == 0.0 {
         return Ok(None);
     }
-    mirrored.progress.stage("milling it, and tracing that");
+    mirrored.progress.stage(Stage::Milling);
     match made {
         Some(made) => {
             let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
@@ -151,6 +166,9 @@ pub(super) fn send_over_milled_facets(
     cutter: Cutter,
     mirrored: Mirrored,
 ) -> (Option<Measurement>, f64) {
-    let milled = milled_facets(relief, cutter);
+    let milled = milled_facets(relief, cutter, mirrored.progress);
+    if mirrored.progress.is_abandoned() {
+        return (None, milled.most_left);
+    }
     (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
 }

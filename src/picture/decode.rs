@@ -5,48 +5,8 @@ use std::io::Cursor;
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::{MAX_SIDE, PictureError, float_tiff, sniff};
-
-/// The most a decoder may allocate, bytes.
-pub const MAX_MEMORY: u64 = 1 << 30;
-
-/// Pixels as the file has them: rows from the top, channels interleaved.
-pub struct Pixels {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// 1 grey, 2 grey and opacity, 3 colour, 4 colour and opacity.
-    pub channels: usize,
-    /// `width * height * channels` numbers.
-    pub samples: Samples,
-    /// What was decided while decoding, as sentences.
-    pub notes: Vec<String>,
-}
-
-/// Numbers of one depth.
-pub enum Samples {
-    /// White is 255.
-    U8(Vec<u8>),
-    /// White is 65535.
-    U16(Vec<u16>),
-    /// White is 1.
-    F32(Vec<f32>),
-    /// White is 1.
-    F64(Vec<f64>),
-}
-
-impl Samples {
-    /// Number `i`, white being 1.
-    pub fn at(&self, i: usize) -> f64 {
-        match self {
-            Self::U8(v) => f64::from(v[i]) / 255.0,
-            Self::U16(v) => f64::from(v[i]) / 65535.0,
-            Self::F32(v) => f64::from(v[i]),
-            Self::F64(v) => v[i],
-        }
-    }
-}
+use super::pixels::{MAX_MEMORY, Pixels, Samples, check_size, one_line};
+use super::{PictureError, float_tiff, sniff};
 
 /// Decodes a file of one of the four formats.
 pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
@@ -87,18 +47,6 @@ pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
         format: sniff::title(format),
         reason: "unknown depth".into(),
     })
-}
-
-/// Refuses what is too large to hold or too small to draw on.
-pub fn check_size(width: u64, height: u64, name: &str) -> Result<(), PictureError> {
-    let name = name.into();
-    if width.max(height) > MAX_SIDE as u64 {
-        Err(PictureError::TooLarge { name, width, height })
-    } else if width.min(height) < 2 {
-        Err(PictureError::TooSmall { name, width, height })
-    } else {
-        Ok(())
-    }
 }
 
 fn pixels(image: DynamicImage, notes: Vec<String>) -> Option<Pixels> {
@@ -152,10 +100,4 @@ fn complaint(error: ImageError, format: ImageFormat, name: &str) -> PictureError
         ImageError::IoError(e) => PictureError::Corrupt { name, format, reason: one_line(&e) },
         e => PictureError::Corrupt { name, format, reason: one_line(&e) },
     }
-}
-
-/// A decoder's words fit for a message of one line; a damaged file can put anything into them.
-fn one_line(words: &dyn std::fmt::Display) -> String {
-    let plain = |c: char| if c.is_control() { ' ' } else { c };
-    words.to_string().chars().map(plain).take(160).collect()
 }

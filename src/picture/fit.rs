@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_that_leave_the_field_are_confessed() {
+    fn corners_that_leave_the_field_are_noted() {
         let full = Raster::from_fn(100, 100, |_, _| 1.0);
         let picture = read(&full, Reading { rotate: 45.0, ..PLAIN });
         // A square and itself turned by 45° share 2(√2 - 1) of their area.
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn cropping_keeps_the_middle_and_confesses_the_rest() {
+    fn cropping_keeps_the_middle_and_notes_the_rest() {
         let crop = Reading { fit: PictureFit::Crop, ..PLAIN };
         let picture = read(&numbered(4, 2), crop);
         assert_eq!(picture.light.values, [2.0, 3.0, 6.0, 7.0]);

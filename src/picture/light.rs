@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::decode::{Pixels, Samples};
+use super::pixels::{Pixels, Samples};
 use super::{Encoding, PictureError, Reading};
 use crate::raster::Raster;
 
@@ -162,12 +162,7 @@ mod tests {
     use super::*;
 
     fn pixels(channels: usize, samples: Samples) -> Pixels {
-        let count = match &samples {
-            Samples::U8(v) => v.len(),
-            Samples::U16(v) => v.len(),
-            Samples::F32(v) => v.len(),
-            Samples::F64(v) => v.len(),
-        };
+        let count = samples.len();
         Pixels { width: count / channels / 2, height: 2, channels, samples, notes: Vec::new() }
     }
 

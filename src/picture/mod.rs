@@ -20,11 +20,17 @@
 //! A square picture that is neither rotated nor inverted is never resampled: what is designed, traced and scored is
 //! the very pixel values that were drawn.
 
-mod decode;
-mod fit;
-mod float_tiff;
-mod light;
+mod pixels;
+
 mod sniff;
+
+mod float_tiff;
+
+mod decode;
+
+mod light;
+
+mod fit;
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -32,6 +38,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use self::pixels::{Pixels, Samples, check_size};
 use crate::raster::Raster;
 
 /// The longest side of a picture that is read, pixels; the square it is fitted to is no larger.
@@ -137,16 +144,16 @@ pub fn from_bytes(bytes: &[u8], name: &str, reading: &Reading) -> Result<Picture
 pub fn from_raster(values: Raster, reading: &Reading) -> Result<Picture, PictureError> {
     let name = "the picture in memory";
     let Raster { width, height, values } = values;
-    decode::check_size(width as u64, height as u64, name)?;
+    check_size(width as u64, height as u64, name)?;
     if values.len() != width * height {
         let reason = format!("{} values for {width} x {height} pixels", values.len());
         return Err(PictureError::Corrupt { name: name.into(), format: "raster", reason });
     }
-    let samples = decode::Samples::F64(values);
-    prepare(decode::Pixels { width, height, channels: 1, samples, notes: Vec::new() }, name, reading)
+    let samples = Samples::F64(values);
+    prepare(Pixels { width, height, channels: 1, samples, notes: Vec::new() }, name, reading)
 }
 
-fn prepare(pixels: decode::Pixels, name: &str, reading: &Reading) -> Result<Picture, PictureError> {
+fn prepare(pixels: Pixels, name: &str, reading: &Reading) -> Result<Picture, PictureError> {
     if !reading.rotate.is_finite() {
         return Err(PictureError::Rotation { name: name.into(), degrees: reading.rotate });
     }
@@ -161,6 +168,7 @@ fn prepare(pixels: decode::Pixels, name: &str, reading: &Reading) -> Result<Pict
 
 /// Why a picture cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PictureError {
     /// Nothing has this name.
     #[error("{name}: there is no such file; check the path")]
@@ -244,7 +252,7 @@ pub enum PictureError {
     /// Within the limit of pixels, but too much to decode.
     #[error(
         "{name}: decoding the picture takes more than {} MiB; scale it down or save it with 8 bits",
-        decode::MAX_MEMORY >> 20
+        pixels::MAX_MEMORY >> 20
     )]
     Memory {
         /// The picture.

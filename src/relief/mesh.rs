@@ -36,4 +36,81 @@ impl Mesh {
         };
         (0..self.triangles.len()).filter(flat).count()
     }
+
+    /// Number of directed edges without a partner that runs the opposite way; 0 for a closed mesh.
+    ///
+    /// An edge of four triangles, two each way, counts as closed; a triangle turned over leaves all its edges open.
+    pub fn open_edges(&self) -> usize {
+        let (rising, falling) = (edges(self, true), edges(self, false));
+        (0..self.vertices.len()).map(|v| unpaired(rising.of(v), falling.of(v))).sum()
+    }
+}
+
+/// The edges of a mesh that run one way, by their lower vertex.
+struct Edges {
+    starts: Vec<usize>,
+    others: Vec<u32>,
+}
+
+impl Edges {
+    /// The upper vertices, ascending, of the edges whose lower one is `v`.
+    fn of(&self, v: usize) -> &[u32] {
+        &self.others[self.starts[v]..self.starts[v + 1]]
+    }
+}
+
+/// The edges from lower to higher vertex (`rising`) or the others; linear but for the sorting of each short list.
+fn edges(mesh: &Mesh, rising: bool) -> Edges {
+    let one_way = || {
+        let all = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        all.filter_map(move |(a, b)| (a != b && (a < b) == rising).then_some((a.min(b) as usize, a.max(b))))
+    };
+    // Each list's end is found by filling it, and is the next one's start.
+    let mut starts = vec![0; mesh.vertices.len() + 2];
+    one_way().for_each(|(v, _)| starts[v + 2] += 1);
+    for v in 1..starts.len() {
+        starts[v] += starts[v - 1];
+    }
+    let mut others = vec![0; starts[starts.len() - 1]];
+    for (v, other) in one_way() {
+        others[starts[v + 1]] = other;
+        starts[v + 1] += 1;
+    }
+    for v in 0..mesh.vertices.len() {
+        others[starts[v]..starts[v + 1]].sort_unstable();
+    }
+    Edges { starts, others }
+}
+
+/// How many entries of two ascending lists have no equal in the other.
+fn unpaired(mut a: &[u32], mut b: &[u32]) -> usize {
+    let mut count = 0;
+    while let ([x, rest_a @ ..], [y, rest_b @ ..]) = (a, b) {
+        count += usize::from(x != y);
+        (a, b) = (if x <= y { rest_a } else { a }, if y <= x { rest_b } else { b });
+    }
+    count + a.len() + b.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn open_edges_are_those_of_holes_and_turned_triangles() {
+        let whole = Mesh {
+            vertices: vec![[0.0, 0.0, 0.0], [0.0, 2.5, 0.0], [1.5, 0.0, 0.0], [0.0, 0.0, 3.25]],
+            triangles: vec![[0, 1, 2], [0, 2, 3], [2, 1, 3], [1, 0, 3]],
+        };
+        assert_eq!(whole.open_edges(), 0);
+        let holed = Mesh { triangles: whole.triangles[1..].to_vec(), ..whole.clone() };
+        assert_eq!(holed.open_edges(), 3);
+        let mut turned = whole.clone();
+        turned.triangles[2].swap(0, 1);
+        assert_eq!(turned.open_edges(), 6);
+        let mut doubled = whole.clone();
+        doubled.triangles.extend(whole.triangles.iter());
+        assert_eq!(doubled.open_edges(), 0);
+        assert_eq!(Mesh::default().open_edges(), 0);
+    }
 }

@@ -2,7 +2,7 @@
 
 pub mod faceted;
 
-pub mod heights;
+pub mod height_grid;
 
 pub mod periodic;
 

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::faceted::{Facet, FacetedRelief};
-use super::heights;
+use super::height_grid;
 use crate::slope::Slope;
 
 /// A periodic height grid repeated over a plate, with a mean slope of its own.
@@ -48,7 +48,7 @@ impl PeriodicRelief {
     /// a valley: ridges come out clean whichever way they run, and no cutter has to reach into a square. It is told from
     /// the cell's heights: the tilt raises both diagonals alike.
     pub fn rises(&self, i: usize, j: usize) -> bool {
-        heights::rises([(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.height(i + a, j + b)))
+        height_grid::rises([(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.height(i + a, j + b)))
     }
 
     /// Height of node (i, j) of the plate about the mean plane, mm.

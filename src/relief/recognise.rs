@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 
 use super::faceted::{Facet, FacetedRelief};
-use super::heights::HeightGrid;
+use super::height_grid::HeightGrid;
 use super::mesh::Mesh;
 use crate::slope::Slope;
 
@@ -19,11 +19,13 @@ pub enum Recognised {
     Heights(HeightGrid),
 }
 
-/// How far a corner may lie off its facet's plane, as a share of the shorter side of the rectangle: what writers that
-/// join corners nearly as high as each other leave.
+/// How far a corner may lie off its facet's plane, as a share of the shorter side of the rectangle. Writers join corners
+/// nearly as high as each other: the solid of this program those within 2e-5 of the finest pitch, which
+/// can bend a facet by that much, and this is two and a half times as much. Light turns by 0.006°.
 const FLATNESS: f64 = 5e-5;
 
-/// A triangle counts as facing up beyond this part of its unit normal along z.
+/// A triangle counts as facing up beyond this part of its unit normal along z: what is steeper than 89.94° is a wall.
+/// The steepest facet has 0.4 (65°), walls that single precision has tilted less than a tenth of this.
 const UPRIGHT: f64 = 1e-3;
 
 /// The relief on a grid that the upper side of `mesh` is, if it is one; steps of rounding height are closed.

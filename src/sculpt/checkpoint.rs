@@ -119,6 +119,7 @@ pub fn read_state(from: &mut impl BufRead) -> Result<(Checkpoint, Origin), State
 
 /// Why a design cannot be resumed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StateError {
     /// The system refuses.
     #[error("the file cannot be read ({0})")]

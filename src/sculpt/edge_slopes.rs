@@ -15,7 +15,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::fourier::frequency;
-use crate::relief::heights::top_rises_more;
+use crate::relief::height_grid::top_rises_more;
 use crate::relief::periodic::PeriodicRelief;
 
 /// Pieces of the grid that are worked on at the same time and summed in order: sums are the same for any number of

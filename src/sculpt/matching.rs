@@ -59,7 +59,7 @@ impl Matching {
         let mut slopes = self.slopes(z);
         let mut state = slopes.clone();
         for _ in 0..rounds {
-            if progress.is_cancelled() {
+            if progress.is_to_finish() {
                 break;
             }
             // x ← x + match(2s - x) - s, s = the slopes of the relief nearest to x.

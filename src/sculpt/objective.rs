@@ -13,6 +13,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::cutter::Cutter;
+use crate::progress::Progress;
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
@@ -116,10 +117,10 @@ impl Objective {
 
     /// Mills heights `z` on the tool's grid: from now on, the light of that surface less the light of the model is added
     /// to the light of any relief. Its gradient is that of the model alone.
-    pub fn update_tool_residual(&mut self, z: &[f32]) {
+    pub fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
         let Some(cutter) = self.manufacturing.cutter else { return };
         let relief = relief(self.lattice, z, self.manufacturing.tilt);
-        let milled = Tool::new(relief.cell, cutter).mill(&relief).relief;
+        let milled = Tool::new(relief.cell, cutter).mill(&relief, progress).relief;
         let milled = polished(milled, self.manufacturing.polish);
         let fine = Lattice::of(&milled);
         // Milled heights are known at the tool's places only, and a square of them may be cut along either diagonal.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::relief::heights::rises;
+use crate::relief::height_grid::rises;
 use crate::relief::periodic::PeriodicRelief;
 
 /// Heights of a cell's triangles about the mean plane at `n` × `n` places, rows of constant y.

@@ -5,7 +5,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress, SheetSoFar};
 use crate::relief::periodic::PeriodicRelief;
 
 use super::bound::{Unavoidable, unavoidable};
@@ -74,17 +74,16 @@ impl Sheet {
 
 /// Designs the relief whose light is `distribution`'s, from the beginning or from the checkpoint of an earlier run.
 ///
-/// `on_step` is told of every step that is done. A checkpoint that does not suit `sculpting` is not used. If the work is
-/// cancelled, the best relief so far is the result, `None` if there is none yet; `None` too if the distribution's image is
-/// too narrow to be laid out.
+/// `on_step` is told of every step that is done. A checkpoint that does not suit `sculpting` is not used. Told to finish, it
+/// ends with the best relief so far, be it the first one tried.
 pub fn sculpt(
     distribution: &SlopeDistribution,
     sculpting: &SheetSettings,
     from: Option<Checkpoint>,
     on_step: &mut dyn FnMut(&Checkpoint),
     progress: &Progress,
-) -> Option<Sheet> {
-    let work = Work::new(distribution, sculpting, progress)?;
+) -> Result<Sheet, SculptError> {
+    let work = Work::new(distribution, sculpting, progress).ok_or(TooNarrow)?;
     let steps = plan(sculpting);
     let whole: f64 = steps.iter().map(|step| step.cost()).sum();
     let mut present = from.filter(|at| at.suits(sculpting));
@@ -95,12 +94,14 @@ pub fn sculpt(
         if present.as_ref().is_some_and(|at| at.done > k) {
             continue;
         }
-        if progress.is_cancelled() {
+        progress.check()?;
+        if present.is_some() && progress.is_to_finish() {
             break;
         }
         // On a worker's thread: from any other, each of the many short parallel loops would wake a worker and wait for it.
-        let mut reached = rayon::scope(|_| work.take(*step, present.clone(), share))?;
-        if progress.is_cancelled() {
+        let mut reached = rayon::scope(|_| work.take(*step, present.clone(), share)).ok_or(TooNarrow)?;
+        progress.check()?;
+        if progress.is_to_finish() {
             // A step that was cut short is not done, but its relief may be better than the one before.
             reached.done = k;
             let error = |at: &Checkpoint| at.misplaced.last().copied().unwrap_or(1.0);
@@ -112,9 +113,11 @@ pub fn sculpt(
         on_step(&reached);
         present = Some(reached);
     }
-    let last = present?;
+    let last = present.ok_or(TooNarrow)?;
     let steps = [last.done, steps.len()];
-    Some(work.finished(last, steps))
+    let sheet = work.finished(last, steps);
+    progress.check()?;
+    Ok(sheet)
 }
 
 /// The part of the whole work that a step is.
@@ -207,7 +210,7 @@ impl<'a> Work<'a> {
                 let at = Checkpoint { done: 1, start, nodes, heights: z, misplaced: vec![misplaced] };
                 best = Some((error, at));
             }
-            if self.progress.is_cancelled() {
+            if self.progress.is_to_finish() {
                 break;
             }
         }
@@ -230,21 +233,31 @@ impl<'a> Work<'a> {
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / parts, memory: MEMORY, tolerance: TOLERANCE, first_move };
         for part in 0..parts {
+            if self.progress.is_to_finish() {
+                break;
+            }
             if with_tool {
-                objective.update_tool_residual(&objective.relief(&y));
+                objective.update_tool_residual(&objective.relief(&y), self.progress);
             }
             let share = share.part(part, parts);
             minimise(
                 &mut y,
                 &settings,
-                |y, gradient| objective.loss(y, gradient),
+                |y, gradient| {
+                    self.progress.offer_relief(|| self.so_far(lattice, objective.relief(y)));
+                    objective.loss(y, gradient)
+                },
                 |step| {
                     self.progress.fraction(share.from + share.whole * step as f64 / settings.steps as f64);
-                    !self.progress.is_cancelled()
+                    !self.progress.is_to_finish()
                 },
             );
         }
         objective.relief(&y)
+    }
+
+    fn so_far(&self, lattice: Lattice, heights: Vec<f32>) -> SheetSoFar {
+        SheetSoFar { nodes: lattice.n, cell: self.sculpting.cell, heights }
     }
 
     fn match_slopes(&self, lattice: Lattice, z: &mut Vec<f32>, rounds: usize, share: Share) {
@@ -256,7 +269,7 @@ impl<'a> Work<'a> {
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {
         let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.update_tool_residual(z);
+        objective.update_tool_residual(z, self.progress);
         objective.misplaced(z, COMPARED_AT)
     }
 
@@ -272,8 +285,11 @@ impl<'a> Work<'a> {
             // raised for them may be too high for the tool on its grid, and so on.
             let finer = Tool::without_steps(&relief, cutter);
             for _ in 0..FILLINGS {
-                tool.fill(&mut relief, CLEARANCE);
-                if !finer.fill(&mut relief, CLEARANCE) {
+                if self.progress.is_abandoned() {
+                    break;
+                }
+                tool.fill(&mut relief, CLEARANCE, self.progress);
+                if !finer.fill(&mut relief, CLEARANCE, self.progress) {
                     break;
                 }
             }
@@ -286,3 +302,20 @@ impl<'a> Work<'a> {
         Sheet { relief, start: at.start, misplaced: at.misplaced, fillets, steps }
     }
 }
+
+/// Why no sheet came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SculptError {
+    /// The slopes have no extent.
+    #[error(transparent)]
+    TooNarrow(#[from] TooNarrow),
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// The highlight has no extent on the slope plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the highlight cannot be laid out as slopes around its mean: raise --half-field, or take --surface flat")]
+pub struct TooNarrow;

@@ -7,17 +7,20 @@
 
 use rayon::prelude::*;
 
+use crate::progress::Progress;
+
 /// Part of a cutter's profile along one axis: steps aside from the tip, and minus the height of the underside there, mm.
 pub type Profile = [(isize, f32)];
 
 /// What a cutter leaves of the heights `z`, rows of `width` places: its path first, then the surface below it.
 ///
 /// `along_x` and `along_y` are the profile along rows and columns. Rows and columns continue into themselves.
-pub fn milled_heights(z: &[f32], width: usize, along_x: &Profile, along_y: &Profile) -> Vec<f32> {
-    let mut z = swept_along_rows(z, width, along_x, Sweep::Path);
-    z = swept_across_rows(&z, width, along_y, Sweep::Path);
-    z = swept_along_rows(&z, width, along_x, Sweep::Surface);
-    swept_across_rows(&z, width, along_y, Sweep::Surface)
+/// Abandoned, it returns at once what nobody should use.
+pub fn milled_heights(z: &[f32], width: usize, along_x: &Profile, along_y: &Profile, progress: &Progress) -> Vec<f32> {
+    let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress);
+    z = swept_across_rows(&z, width, along_y, Sweep::Path, progress);
+    z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress);
+    swept_across_rows(&z, width, along_y, Sweep::Surface, progress)
 }
 
 /// Which of the two sweeps.
@@ -29,12 +32,15 @@ enum Sweep {
     Surface,
 }
 
-fn swept_along_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep) -> Vec<f32> {
+fn swept_along_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
     let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
     let mut out = vec![0.0f32; z.len()];
     out.par_chunks_mut(width).zip(z.par_chunks(width)).with_min_len(16).for_each_init(
         Vec::new,
         |around, (out, row)| {
+            if progress.is_abandoned() {
+                return;
+            }
             around.clear();
             around.extend((0..width + 2 * reach).map(|k| row[(k + reach * (width - 1)) % width]));
             sweep.line(out, profile, |aside| &around[reach.wrapping_add_signed(aside)..][..width]);
@@ -43,10 +49,13 @@ fn swept_along_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep) ->
     out
 }
 
-fn swept_across_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep) -> Vec<f32> {
+fn swept_across_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
     let rows = (z.len() / width) as isize;
     let mut out = vec![0.0f32; z.len()];
     out.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, out)| {
+        if progress.is_abandoned() {
+            return;
+        }
         let row = |aside: isize| (j as isize + aside).rem_euclid(rows) as usize;
         sweep.line(out, profile, |aside| &z[row(aside) * width..][..width]);
     });

@@ -13,6 +13,7 @@
 use glam::DVec2;
 
 use crate::cutter::Cutter;
+use crate::progress::Progress;
 use crate::raster::bilinear_weights;
 use crate::relief::periodic::PeriodicRelief;
 
@@ -71,15 +72,15 @@ impl Tool {
         Self { cutter, places: relief.nodes * between_nodes.round().max(1.0) as usize }
     }
 
-    /// One cell of `relief` as the cutter leaves it.
-    pub fn mill(&self, relief: &PeriodicRelief) -> Milled {
+    /// One cell of `relief` as the cutter leaves it; of no use if the work is abandoned meanwhile.
+    pub fn mill(&self, relief: &PeriodicRelief, progress: &Progress) -> Milled {
         let n = self.places;
         let written = sampled(relief, n);
         let step = relief.cell / n as f64;
         let rise = |k: usize, next: usize| written[next] - written[k];
         let along_x = self.profile((0..n * n).map(|k| rise(k, k / n * n + (k + 1) % n)), step.x, relief.tilt.p);
         let along_y = self.profile((0..n * n).map(|k| rise(k, (k + n) % (n * n))), step.y, relief.tilt.q);
-        let z = milled_heights(&written, n, &along_x, &along_y);
+        let z = milled_heights(&written, n, &along_x, &along_y, progress);
         let left = z.iter().zip(&written).map(|(a, b)| a - b).collect();
         let relief = PeriodicRelief { nodes: n, heights: z, cell: relief.cell, cells: [1, 1], tilt: relief.tilt };
         Milled { relief, left }
@@ -103,11 +104,14 @@ impl Tool {
     /// whether any node was raised.
     ///
     /// About one node in a thousand needs it; no relief met so far has come near the limit of a hundred rounds.
-    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64) -> bool {
+    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
         for round in 0..ROUNDS {
-            let milled = self.mill(relief);
+            let milled = self.mill(relief, progress);
+            if progress.is_abandoned() {
+                return false;
+            }
             let mut raise = vec![0.0f32; n * n];
             for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
                 let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
@@ -153,7 +157,7 @@ mod tests {
         // Slopes ±0.2 about the tilt, 0.1: at the bottom of the valley the ball stays R s²/2 above it, a little less
         // where its slopes are steeper.
         let roof = relief(40, |x, _| 0.4 * (x - 0.5).abs());
-        let cut = Tool { cutter: Cutter::ball(0.5), places: 400 }.mill(&roof);
+        let cut = Tool { cutter: Cutter::ball(0.5), places: 400 }.mill(&roof, &Progress::silent());
         assert!((cut.most_left() / (0.25 * 0.04 / 2.0) - 1.0).abs() < 0.03, "{}", cut.most_left());
         assert!((f64::from(cut.relief.heights[0]) - 0.2).abs() < 1e-6);
         assert_eq!((cut.relief.tilt, cut.relief.cells), (roof.tilt, [1, 1]));
@@ -163,7 +167,7 @@ mod tests {
     fn the_sweeps_are_those_of_whole_balls() {
         let rough = relief(12, |x, y| ((x * 91.0 + y * 57.0).sin() * 43.0).fract() * 0.02);
         let (n, radius) = (24, 0.6);
-        let cut = Tool { cutter: Cutter::ball(2.0 * radius), places: n }.mill(&rough);
+        let cut = Tool { cutter: Cutter::ball(2.0 * radius), places: n }.mill(&rough, &Progress::silent());
         let step = rough.cell / n as f64;
         let z = sampled(&rough, n);
         // Steps from a place to another, the short way round.
@@ -190,9 +194,9 @@ mod tests {
         let mut rough = relief(40, |x, y| 0.05 * (x - 0.5).abs() + 0.002 * (9.0 * y).sin().max(0.7));
         let tool = Tool::new(rough.cell, Cutter::ball(0.5));
         let before = rough.clone();
-        assert!(tool.mill(&rough).most_left() > 2e-4);
-        tool.fill(&mut rough, 2e-4);
-        assert!(tool.mill(&rough).most_left() <= 2e-4);
+        assert!(tool.mill(&rough, &Progress::silent()).most_left() > 2e-4);
+        tool.fill(&mut rough, 2e-4, &Progress::silent());
+        assert!(tool.mill(&rough, &Progress::silent()).most_left() <= 2e-4);
         assert!(rough.heights.iter().zip(&before.heights).all(|(a, b)| a >= b));
     }
 }

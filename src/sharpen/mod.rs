@@ -86,7 +86,7 @@ pub fn sharpen(flux: &mut Raster, blur: &BlurKernel, progress: &Progress) -> Sha
             (worth.after, worth.steps) = (off, k);
             sharp.clone_from(&guess.light);
         }
-        if off <= ENOUGH || k == STEPS || progress.is_cancelled() {
+        if off <= ENOUGH || k == STEPS || progress.is_to_finish() {
             break;
         }
         progress.fraction(k as f64 / STEPS as f64);

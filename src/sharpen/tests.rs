@@ -1,4 +1,5 @@
 use super::*;
+use crate::progress::{CancelToken, Event};
 use crate::projection::{Projection, View};
 use crate::setup::Setup;
 
@@ -164,8 +165,9 @@ fn darkness_and_cancelled_work_are_left_alone() {
     let mut dark = Raster::zeros(20, 20);
     assert_eq!(sharpen(&mut dark, &blur, &Progress::silent()), Sharpening::default());
     assert_eq!(dark, Raster::zeros(20, 20));
-    let cancelled = std::sync::atomic::AtomicBool::new(true);
+    let cancelled = CancelToken::default();
+    cancelled.finish();
     let mut light = ring(40);
-    let worth = sharpen(&mut light, &blur, &Progress::new(&|_| (), &cancelled));
+    let worth = sharpen(&mut light, &blur, &Progress::new(&|_: Event<'_>| (), &cancelled));
     assert_eq!((worth.steps, light), (0, ring(40)));
 }

@@ -96,7 +96,7 @@ fn seen<S: Surface>(surface: &S, theta: f64, phi: f64, rays: u64, seed: u64, pro
     let back = flat_mirror(toward);
     let (mut samples, mut clear, mut facing, mut clear_both) = (0u64, 0u64, 0u64, 0u64);
     for k in 0..surface.facets() {
-        if k % 65536 == 0 && progress.is_cancelled() {
+        if k % 65536 == 0 && progress.is_abandoned() {
             break;
         }
         let Some((place, _)) = surface.facet(k) else { continue };

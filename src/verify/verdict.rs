@@ -1,7 +1,6 @@
 //! The figures of a measured highlight, each with its standard error.
 
 use serde::Serialize;
-use serde_json::{Map, Value, json};
 
 use super::score::{blurred_scores, efficiency};
 use super::tally::{Measurement, Tally};
@@ -71,10 +70,13 @@ const FIGURES: usize = 4 * BLURS.len() + 3;
 impl Verdict {
     /// Scores `measurement` against `target` (flux per pixel, sum 1, of the measurement's resolution).
     ///
-    /// `None` if no light fell into the image.
+    /// `None` if no light fell into the image, or if it is abandoned.
     pub fn new(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Self> {
         let values = figures(&measurement.whole, target, view)?;
-        let errors = measurement.standard_errors(|tally| figures(tally, target, view).unwrap_or([f64::NAN; FIGURES]));
+        let errors = measurement.standard_errors(|tally| {
+            let figures = if progress.is_abandoned() { None } else { figures(tally, target, view) };
+            figures.unwrap_or([f64::NAN; FIGURES])
+        });
         progress.fraction(0.5);
         let figure = |k: usize| Figure { value: values[k], error: errors[k] };
         let at_blur = std::array::from_fn(|b| AtBlur {
@@ -88,7 +90,7 @@ impl Verdict {
         let other = 4 * BLURS.len();
         Some(Self {
             at_blur,
-            w1: w1(measurement, target, view)?,
+            w1: w1(measurement, target, view, progress)?,
             efficiency: figure(other),
             multi_bounce: figure(other + 1),
             blocked: figure(other + 2),
@@ -102,37 +104,6 @@ impl Verdict {
     /// The scores at the main blur.
     pub fn main(&self) -> &AtBlur {
         &self.at_blur[1]
-    }
-
-    /// As the report's object: values under their names, standard errors under `error`.
-    pub fn to_json(&self) -> Value {
-        let by_blur = |pick: fn(&AtBlur) -> f64| -> Value {
-            self.at_blur.iter().map(|s| (s.blur.to_string(), json!(pick(s)))).collect::<Map<_, _>>().into()
-        };
-        json!({
-            "tv": by_blur(|s| s.tv.value),
-            "tv_up": by_blur(|s| s.tv_up.value),
-            "tv_incident": by_blur(|s| s.tv_incident.value),
-            "ssim": by_blur(|s| s.ssim.value),
-            "w1_deg": self.w1.value,
-            "efficiency": self.efficiency.value,
-            "multi_bounce": self.multi_bounce.value,
-            "blocked": self.blocked.value,
-            "outside_image": self.outside_image,
-            "first_hit_wall": self.first_hit_wall,
-            "backface": self.backface,
-            "rays": self.rays,
-            "error": {
-                "tv": by_blur(|s| s.tv.error),
-                "tv_up": by_blur(|s| s.tv_up.error),
-                "tv_incident": by_blur(|s| s.tv_incident.error),
-                "ssim": by_blur(|s| s.ssim.error),
-                "w1_deg": self.w1.error,
-                "efficiency": self.efficiency.error,
-                "multi_bounce": self.multi_bounce.error,
-                "blocked": self.blocked.error,
-            },
-        })
     }
 }
 
@@ -150,8 +121,8 @@ fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]
 }
 
 /// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
-fn w1(measurement: &Measurement, target: &Raster, view: &View) -> Option<Figure> {
-    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION);
+fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Figure> {
+    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION, progress);
     let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
     let error = match halves {
         [Some(a), Some(b)] => 0.5 * (a - b).abs(),

@@ -14,7 +14,7 @@ use super::score::blurred;
 use super::verdict::MAIN_BLUR;
 use crate::projection::View;
 use crate::raster::Raster;
-use crate::relief::heights::rises;
+use crate::relief::height_grid::rises;
 use crate::relief::periodic::PeriodicRelief;
 use crate::setup::Setup;
 use crate::sharpen::{BlurKernel, seen};

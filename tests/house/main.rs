@@ -1,6 +1,7 @@
 //! The house rules of CONTRIBUTING.md, read off the sources: what may import what, names, sizes, the guide's file lists,
 //! the minimum Rust.
 
+mod guide;
 mod imports;
 mod names;
 mod sizes;
@@ -8,27 +9,19 @@ mod source;
 mod toolchain;
 
 /// What is still to be mended: beginnings of offences that the rules let pass.
-const OPEN: [&str; 20] = [
+const OPEN: &[&str] = &[
     "args refers to measure::args",
-    "args refers to values",
-    "console refers to files",
-    "design refers to ",
-    "estimate refers to files",
-    "measure refers to ",
-    "measure::args refers to values",
+    "job::report refers to job::product",
     "picture::decode refers to picture::",
     "verify::first_bounce refers to verify::measure",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
     "src/export/bsdf.rs",
-    "src/export/picture.rs",
-    "src/export/polar_slices.rs",
     "src/export/stl.rs",
     "src/job/",
     "src/sculpt/",
-    "src/verify/goniometer/table.rs",
-    "src/verify/",
+    "src/verify/measure.rs",
 ];
 
 /// Fails with all offences but those that are known to be open.

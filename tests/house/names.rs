@@ -4,7 +4,7 @@ use crate::none;
 use crate::source::{identifiers, sources};
 
 /// Old names as whole identifiers, anywhere in `src`, and the term in their place.
-const OLD: [(&str, &str); 36] = [
+const OLD: [(&str, &str); 35] = [
     ("Bins", "slope histogram"),
     ("Rims", "edge slopes"),
     ("Folds", "concave edges"),
@@ -28,7 +28,6 @@ const OLD: [(&str, &str); 36] = [
     ("Waves", "periodic filter"),
     ("Sculpture", "sheet"),
     ("sculpture", "sheet"),
-    ("Sculpting", "settings of a sheet"),
     ("Sight", "rendered view"),
     ("Sights", "rendered views"),
     ("sight", "rendered view"),

@@ -8,5 +8,6 @@ mod closed_solids;
 mod conservation;
 mod hostile_pictures;
 mod hostile_rays;
+mod jobs;
 mod recognition;
 mod sharpening;

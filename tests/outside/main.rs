@@ -10,4 +10,5 @@ mod mesh_checkers;
 mod referee;
 mod referee_figures;
 mod renderer;
+mod stl_light;
 mod ztests;

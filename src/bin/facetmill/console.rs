@@ -4,18 +4,19 @@ use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use facetmill::job::design::DesignError;
-pub use facetmill::job::pictures::rays;
 use facetmill::picture::PictureError;
-use facetmill::progress::Event;
-use facetmill::verify::verdict::{Figure, MAIN_BLUR, Verdict};
+use facetmill::progress::{Cancelled, Event};
+use facetmill::report::text;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
+use crate::args::RunningArgs;
 use crate::files::OutputError;
+use crate::tables::Row;
 
 /// Why the program ends without its result; each kind has an exit code of its own.
 #[derive(Debug, thiserror::Error)]
@@ -69,10 +70,16 @@ impl From<PictureError> for Failure {
     }
 }
 
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::Stopped { snapshots: None }
+    }
+}
+
 impl From<DesignError> for Failure {
     fn from(error: DesignError) -> Self {
         match error {
-            DesignError::Cancelled => Self::Stopped { snapshots: None },
+            DesignError::Cancelled(cancelled) => cancelled.into(),
             other => Self::Impossible(other.to_string()),
         }
     }
@@ -103,13 +110,35 @@ fn one_line(text: &str) -> String {
     start.iter().chain(&['…']).chain(end).collect()
 }
 
-/// JSON facts, indented.
-pub fn print_json(value: &Value) -> Result<(), OutputError> {
-    print(&format!("{value:#}\n"))
+/// A report as JSON.
+fn print_json(report: &impl Serialize) -> Result<(), OutputError> {
+    print(&text(report))
 }
 
-/// A title, and rows of name, value and meaning.
-pub fn print_table(title: &str, rows: &[[String; 3]], notes: &[String]) -> Result<(), OutputError> {
+/// What a person is told at the end, in place of a report.
+pub struct Table {
+    /// What was done.
+    pub title: String,
+    /// Its figures.
+    pub rows: Vec<Row>,
+    /// What there is to know besides.
+    pub notes: Vec<String>,
+}
+
+/// Tells of what was done, as --json and --quiet ask: the report, its table, or nothing.
+pub fn tell<R: Serialize>(
+    running: &RunningArgs,
+    report: &R,
+    table: impl FnOnce(&R) -> Table,
+) -> Result<(), OutputError> {
+    match (running.json, running.quiet) {
+        (true, _) => print_json(report),
+        (false, true) => Ok(()),
+        (false, false) => print_table(&table(report)),
+    }
+}
+
+fn print_table(Table { title, rows, notes }: &Table) -> Result<(), OutputError> {
     let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));
     let mut text = one_line(title) + "\n";
@@ -132,37 +161,6 @@ fn print(text: &str) -> Result<(), OutputError> {
     }
 }
 
-/// A row of a table.
-pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> [String; 3] {
-    [name.to_owned(), value.into(), meaning.into()]
-}
-
-/// The figures of a verdict as rows of a table.
-pub fn verdict_rows(verdict: &Verdict) -> Vec<[String; 3]> {
-    let main = verdict.main();
-    // What rounds to nothing is nothing, without a sign.
-    let percent = |figure: Figure| format!("{:.2} %", (1e4 * figure.value).round() / 100.0 + 0.0);
-    vec![
-        row("rays", rays(verdict.rays), format!("traced; the highlight is scored through a blur of {MAIN_BLUR}°")),
-        row(
-            "misplaced (TV)",
-            percent(main.tv_incident),
-            format!(
-                "of the light falls in the wrong place or is lost (± {:.2}); 0 is perfect",
-                100.0 * main.tv_incident.error
-            ),
-        ),
-        row("likeness (SSIM)", format!("{:.3}", main.ssim.value), "to the drawing; 1 is the same picture"),
-        row("shift (W1)", format!("{:.2}°", verdict.w1.value), "that light must move on average to be the drawing"),
-        row("efficiency", percent(verdict.efficiency), "of the light lands where the drawing is lit"),
-        row("bounced twice", percent(verdict.multi_bounce), "of what leaves the plate has met it more than once"),
-        row("blocked", percent(verdict.blocked), "of the light never leaves the plate upward"),
-    ]
-}
-
-/// Never raised: Ctrl-C ends the program at once, after `files::abandon`.
-pub static NEVER: AtomicBool = AtomicBool::new(false);
-
 /// A progress line per stage on stderr, if somebody looks.
 pub struct Stages {
     present: Mutex<Option<(ProgressBar, Instant)>>,
@@ -182,13 +180,14 @@ impl Stages {
         }
         let Ok(mut present) = self.present.lock() else { return };
         match event {
-            Event::Stage(name) => {
+            Event::Stage(stage, note) => {
                 close(&mut present);
                 let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
                 if let Ok(style) = ProgressStyle::with_template("  {spinner} {msg:36} {bar:24} {percent:>3}%{left}") {
                     bar.set_style(style.with_key("left", time_left));
                 }
-                bar.set_message(name.to_owned());
+                let note = note.map(|note| format!(" ({note})")).unwrap_or_default();
+                bar.set_message(format!("{}{note}", stage.words()));
                 bar.enable_steady_tick(Duration::from_millis(100));
                 *present = Some((bar, Instant::now()));
             }

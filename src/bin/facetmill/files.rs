@@ -3,16 +3,19 @@
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use facetmill::job::png;
 use tempfile::TempDir;
 
-/// What stands on the disk and must not stay if the program ends now. Global, since Ctrl-C comes from outside.
-static GATE: Mutex<Gate> = Mutex::new(Gate::Closed);
+/// What a run has on the disk that must not stay if it ends now: shared by who writes and by who may end it.
+#[derive(Default)]
+pub struct Gate(Mutex<OnDisk>);
 
-enum Gate {
+#[derive(Default)]
+enum OnDisk {
     /// Nothing is on the disk.
+    #[default]
     Closed,
     /// Files are being written aside.
     Open(Aside),
@@ -20,10 +23,27 @@ enum Gate {
     Passed,
 }
 
+impl Gate {
+    fn lock(&self) -> MutexGuard<'_, OnDisk> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Removes what was written aside and calls `end`, which does not return; does nothing if all files are in place.
+    /// Nothing new can be written meanwhile.
+    pub fn abandon(&self, end: impl FnOnce()) {
+        let mut on_disk = self.lock();
+        if !matches!(*on_disk, OnDisk::Passed) {
+            *on_disk = OnDisk::Closed;
+            end();
+        }
+    }
+}
+
 /// Files on their way into an output folder. Dropped before [`publish`](Staged::publish), nothing stays.
 pub struct Staged {
+    gate: Arc<Gate>,
     folder: PathBuf,
-    own: &'static [&'static str],
+    own: Vec<&'static str>,
     written: Vec<&'static str>,
 }
 
@@ -32,7 +52,7 @@ impl Staged {
     /// replaced, or removed if they are not written again: they would tell of an earlier run.
     ///
     /// The folder is tried out and left as it was, so that what cannot be written costs no minute of work.
-    pub fn new(folder: &Path, force: bool, own: &'static [&'static str]) -> Result<Self, OutputError> {
+    pub fn new(folder: &Path, force: bool, own: Vec<&'static str>, gate: &Arc<Gate>) -> Result<Self, OutputError> {
         if let Some(file) = folder.ancestors().find(|path| path.exists() && !path.is_dir()) {
             return Err(OutputError::NotAFolder(file.to_owned()));
         }
@@ -47,10 +67,10 @@ impl Staged {
         }
         {
             // Ctrl-C waits until the trial is cleared away.
-            let _gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
+            let _gate = gate.lock();
             drop(Aside::open(folder).map_err(cannot)?);
         }
-        Ok(Self { folder: folder.to_owned(), own, written: Vec::new() })
+        Ok(Self { gate: gate.clone(), folder: folder.to_owned(), own, written: Vec::new() })
     }
 
     /// Writes one file; its name is one of our own.
@@ -70,12 +90,12 @@ impl Staged {
     }
 
     fn create(&self, name: &str) -> io::Result<fs::File> {
-        let mut gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
-        if !matches!(*gate, Gate::Open(_)) {
-            *gate = Gate::Open(Aside::open(&self.folder)?);
+        let mut gate = self.gate.lock();
+        if !matches!(*gate, OnDisk::Open(_)) {
+            *gate = OnDisk::Open(Aside::open(&self.folder)?);
         }
         match &*gate {
-            Gate::Open(aside) => fs::File::create(aside.path(name)),
+            OnDisk::Open(aside) => fs::File::create(aside.path(name)),
             _ => Err(io::Error::other("the folder was closed")),
         }
     }
@@ -100,13 +120,13 @@ impl Staged {
 
     /// Moves everything into place. Files of other names in an existing folder are left alone.
     pub fn publish(self) -> Result<(), OutputError> {
-        let mut gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Gate::Open(aside) = std::mem::replace(&mut *gate, Gate::Closed) {
+        let mut gate = self.gate.lock();
+        if let OnDisk::Open(aside) = std::mem::replace(&mut *gate, OnDisk::Closed) {
             aside
-                .publish(&self.folder, self.own, &self.written)
+                .publish(&self.folder, &self.own, &self.written)
                 .map_err(|error| OutputError::Cannot(self.folder.clone(), error))?;
         }
-        *gate = Gate::Passed;
+        *gate = OnDisk::Passed;
         // Before `self`, whose own end locks it.
         drop(gate);
         Ok(())
@@ -115,20 +135,10 @@ impl Staged {
 
 impl Drop for Staged {
     fn drop(&mut self) {
-        let mut gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
-        if matches!(*gate, Gate::Open(_)) {
-            *gate = Gate::Closed;
+        let mut gate = self.gate.lock();
+        if matches!(*gate, OnDisk::Open(_)) {
+            *gate = OnDisk::Closed;
         }
-    }
-}
-
-/// Removes what was written aside and calls `end`, which does not return; does nothing if all files are in place.
-/// Nothing new can be written meanwhile.
-pub fn abandon(end: impl FnOnce()) {
-    let mut gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
-    if !matches!(*gate, Gate::Passed) {
-        *gate = Gate::Closed;
-        end();
     }
 }
 

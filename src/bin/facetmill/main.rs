@@ -1,25 +1,41 @@
 //! The command line: arguments to a recipe, the recipe to a plate, the plate to files.
 
-mod args;
-mod console;
-mod design;
-mod estimate;
+// In reading order: each imports only from those above it.
+
 mod files;
-mod inputs;
-mod interrupt;
-mod measure;
-mod plates;
-mod snapshots;
-mod usage;
+
+mod tables;
+
 mod values;
+
+mod args;
+
+mod console;
+
+mod inputs;
+
+mod plates;
+
+mod interrupt;
+
+mod snapshots;
+
+mod usage;
+
+mod measure;
+
 mod verify;
 
+mod design;
+
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Parser;
 
 use args::{Cli, Command};
 use console::report_failure;
+use interrupt::Run;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -32,16 +48,18 @@ fn main() -> ExitCode {
         Command::Measure(args) => &args.running,
     };
     let to_json = running.json;
+    let run = Arc::new(Run::default());
+    let interrupted = run.clone();
     // Without a handler Ctrl-C still ends the program, only less tidily.
-    let _ = ctrlc::set_handler(move || interrupt::arrived(to_json));
+    let _ = ctrlc::set_handler(move || interrupted.interrupted(to_json));
     if let Some(threads) = running.threads {
         // Fails only if a pool exists already, and none does yet.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
     let done = match &cli.command {
-        Command::Design(args) => design::run(args),
-        Command::Verify(args) => verify::run(args),
-        Command::Measure(args) => measure::run(args),
+        Command::Design(args) => design::run(args, &run),
+        Command::Verify(args) => verify::run(args, &run),
+        Command::Measure(args) => measure::run(args, &run),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

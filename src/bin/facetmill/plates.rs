@@ -3,14 +3,15 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use facetmill::export::stl::{open_edges, read_stl};
+use facetmill::export::stl::read_stl;
 use facetmill::recipe::Recipe;
+use facetmill::report::MeshFacts;
+use facetmill::report::design::Mount;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurfaceError;
 use facetmill::trace::traced_plate::{Task, TracedPlate};
 use glam::DVec3;
-use serde_json::{Value, json};
 
 use crate::console::Failure;
 use crate::inputs;
@@ -25,18 +26,10 @@ pub struct Opened {
     /// The box around it, mm.
     pub size: DVec3,
     pub triangles: usize,
-    /// Lowest and highest point of the relief, mm.
-    pub heights: (f64, f64),
     /// What a person should know of the file.
     pub advice: Vec<String>,
-    facts: Value,
-}
-
-impl Opened {
-    /// Facts for the report.
-    pub fn facts(&self) -> Value {
-        self.facts.clone()
-    }
+    /// What the report says of it.
+    pub facts: MeshFacts,
 }
 
 struct Heights;
@@ -73,7 +66,7 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         error => Failure::Input(format!("{name}: {error}")),
     })?;
     let mut advice = Vec::new();
-    let open = open_edges(&mesh);
+    let open = mesh.open_edges();
     if open > 0 {
         advice.push(format!("{open} edges of the mesh have no partner: it is not closed, and slicers will guess."));
     }
@@ -81,17 +74,17 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         advice.push(format!("The plate is only {length:.3} mm long: STL has no units, is it in metres?"));
     }
     let heights = plate.run(Heights);
-    let facts = json!({
-        "file": path.to_string_lossy(),
-        "units": "mm",
-        "triangles": mesh.triangles.len(),
-        "degenerate_triangles": mesh.degenerate(),
-        "open_edges": open,
-        "size_mm": [size.x, size.y, size.z],
-        "relief_height_mm": heights.1 - heights.0,
-        "traced_as": plate.kind(),
-    });
-    Ok(Opened { plate, size, triangles: mesh.triangles.len(), heights, advice, facts })
+    let facts = MeshFacts {
+        file: path.to_string_lossy().into_owned(),
+        units: "mm",
+        triangles: mesh.triangles.len(),
+        degenerate_triangles: mesh.degenerate(),
+        open_edges: open,
+        size_mm: size.to_array(),
+        relief_height_mm: heights.1 - heights.0,
+        traced_as: plate.kind(),
+    };
+    Ok(Opened { plate, size, triangles: mesh.triangles.len(), advice, facts })
 }
 
 /// What a person named: an STL, or the folder that `design` left, whose recipe then stands for flags that are not given.
@@ -151,13 +144,12 @@ fn mount_of(path: &Path) -> Result<Option<DVec3>, Failure> {
     let mut text = String::new();
     let read = inputs::open(path)?.take(LARGEST_REPORT).read_to_string(&mut text);
     read.map_err(|error| broken(error.to_string()))?;
-    let mut report: Value = serde_json::from_str(&text).map_err(|error| broken(error.to_string()))?;
-    let Some(design) = report.get_mut("design").map(Value::take) else { return Ok(None) };
-    let Some(theta) = design.get("mount_theta_deg").filter(|angle| !angle.is_null()) else { return Ok(None) };
-    let angle = |value: Option<&Value>, most: f64| value.and_then(Value::as_f64).filter(|angle| angle.abs() <= most);
-    match (angle(Some(theta), 80.0), angle(design.get("mount_phi_deg"), 360.0)) {
-        (Some(theta), Some(phi)) if theta >= 0.0 => Ok(Some(direction(theta.to_radians(), phi.to_radians()))),
-        _ => Err(broken("mount_theta_deg and mount_phi_deg are no angles at which a plate is mounted".into())),
+    match Mount::read(&text).map_err(|error| broken(error.to_string()))? {
+        None => Ok(None),
+        Some(Mount { theta, phi }) if (0.0..=80.0).contains(&theta) && phi.abs() <= 360.0 => {
+            Ok(Some(direction(theta.to_radians(), phi.to_radians())))
+        }
+        Some(_) => Err(broken("mount_theta_deg and mount_phi_deg are no angles at which a plate is mounted".into())),
     }
 }
 

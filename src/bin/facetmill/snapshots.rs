@@ -45,6 +45,11 @@ impl<'a> Snapshots<'a> {
         Self { folder: output.join(FOLDER), recipe, light, failed: None }
     }
 
+    /// Where they go.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Writes what a step has reached; whether that went well. After a failure nothing more is written.
     pub fn take(&mut self, distribution: &SlopeDistribution, at: &Checkpoint) -> bool {
         if self.failed.is_none() {

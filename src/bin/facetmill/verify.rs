@@ -1,26 +1,27 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
+use facetmill::report::verify::VerifyReport;
+use facetmill::report::{PROGRAM, PictureFacts, text};
 use facetmill::slope::direction;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
-use serde_json::json;
 
 use crate::args::VerifyArgs;
-use crate::console::{Failure, NEVER, Stages, print_json, print_table, row, verdict_rows};
+use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
-use crate::plates;
-
-/// Every file that a verification may write.
-const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
+use crate::interrupt::Run;
+use crate::{plates, tables};
 
 /// Does what `args` say.
-pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
+pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     args.optics.apply(&mut recipe);
     args.running.apply(&mut recipe);
@@ -39,17 +40,16 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             ));
         }
     }
-    let quiet = args.running.quiet;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
-    let stages = Stages::new(quiet);
+    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec(), &run.gate)?;
+    let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let name = args.plate.display();
     let margin = args.margin.unwrap_or(0.0);
     let opened = plates::open(&args.plate, margin)?;
     let picture = picture::read(&args.against, &recipe.reading())?;
-    progress.stage("tracing light over the plate");
+    progress.stage(Stage::Tracing);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {
         Failure::Impossible(format!(
@@ -59,13 +59,12 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
     let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-    progress.stage("scoring");
+    progress.stage(Stage::Scoring);
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
     let proof = Proof { target, measurement, verdict, sheet: None, milled: None };
 
-    progress.stage("writing files");
-    let (bottom, top) = opened.heights;
+    progress.stage(Stage::Files);
     let size = opened.size;
     let mut advice = opened.advice.clone();
     if proof.verdict.backface > 1e-4 {
@@ -74,23 +73,18 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             100.0 * proof.verdict.backface
         ));
     }
-    let report = json!({
-        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
-        "plate": opened.facts(),
-        "picture": {
-            "file": recipe.picture,
-            "width": picture.original_size.0,
-            "height": picture.original_size.1,
-            "notes": picture.notes,
-        },
-        "highlight": recipe.highlight,
-        "light": recipe.light,
-        "lobe_deg": recipe.plate.lobe,
-        "metal": metal,
-        "margin_mm": margin,
-        "measured": proof.verdict.to_json(),
-        "advice": advice,
-    });
+    let report = VerifyReport {
+        program: PROGRAM,
+        plate: opened.facts.clone(),
+        picture: PictureFacts::new(&picture, recipe.picture.clone()),
+        highlight: recipe.highlight,
+        light: recipe.light,
+        lobe_deg: recipe.plate.lobe,
+        metal,
+        margin_mm: margin,
+        measured: (&proof.verdict).into(),
+        advice,
+    };
     staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
     let footer = format!(
         "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
@@ -99,19 +93,13 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let pictures = ProofPictures::new(&proof, &recipe, setup.view(), &footer);
     staged.write_png("simulated.png", &pictures.simulated)?;
     staged.write_png("comparison.png", &pictures.comparison)?;
-    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
+    staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
-    if args.running.json {
-        print_json(&report)?;
-    } else if !quiet {
-        let notes: Vec<String> = picture.notes.iter().chain(&advice).cloned().collect();
-        let mut table = vec![
-            row("plate", format!("{:.2} × {:.2} mm", size.x, size.y), format!("of {} triangles", opened.triangles)),
-            row("relief", format!("{:.3} mm", top - bottom), "from its lowest to its highest point"),
-        ];
-        table.extend(verdict_rows(&proof.verdict));
-        print_table(&format!("Wrote {}; look at comparison.png first", args.output.display()), &table, &notes)?;
-    }
+    tell(&args.running, &report, |report| Table {
+        title: format!("Wrote {}; look at comparison.png first", args.output.display()),
+        rows: tables::verify(report),
+        notes: [&report.picture.notes[..], &report.advice[..]].concat(),
+    })?;
     Ok(())
 }

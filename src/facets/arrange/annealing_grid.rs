@@ -6,9 +6,9 @@ use crate::facets::SlopeGrid;
 use crate::facets::heights::LeastSquares;
 use crate::slope::Slope;
 
-/// What the parts of the energy cost.
+/// The factors of the parts of the energy.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Prices {
+pub(super) struct Weights {
     /// On C: a quarter of the squared change, along each edge, of the step across it.
     pub twist: f64,
     /// On W: the squared step at the middle of each edge.
@@ -19,47 +19,48 @@ pub(super) struct Prices {
     pub valley: f64,
 }
 
-/// A place on the plate. The slope in it wanders; the climbs belong to the place.
+/// A place on the plate: the slope it holds at the time, and what is its own whatever slope it holds.
 #[derive(Clone, Copy)]
-struct Cell {
+struct Place {
     slope: Slope,
-    /// Height of the neighbour on the right, and of the one above, over that of this cell.
+    /// Height of the neighbour on the right, and of the one above, over that of this one, pitches.
     climb: [f64; 2],
 }
 
 /// A cyclic plate whose facets are being exchanged.
 pub(super) struct AnnealingGrid {
-    prices: Prices,
+    weights: Weights,
     columns: usize,
     rows: usize,
-    cells: Vec<Cell>,
+    places: Vec<Place>,
     row_sums: Vec<f64>,
     column_sums: Vec<f64>,
     poisson: Option<LeastSquares>,
 }
 
 impl AnnealingGrid {
-    pub fn new(grid: &SlopeGrid, prices: Prices) -> Self {
+    pub fn new(grid: &SlopeGrid, weights: Weights) -> Self {
         let (columns, rows) = (grid.columns, grid.rows);
         let mut plate = Self {
-            prices,
+            weights,
             columns,
             rows,
-            cells: grid.slopes.iter().map(|&slope| Cell { slope, climb: [0.0; 2] }).collect(),
+            places: grid.slopes.iter().map(|&slope| Place { slope, climb: [0.0; 2] }).collect(),
             row_sums: vec![0.0; rows],
             column_sums: vec![0.0; columns],
-            poisson: (prices.step != 0.0).then(|| LeastSquares::new(columns, rows, DVec2::ONE, true)),
+            poisson: (weights.step != 0.0).then(|| LeastSquares::new(columns, rows, DVec2::ONE, true)),
         };
         plate.settle();
         plate
     }
 
-    pub fn cells(&self) -> usize {
-        self.cells.len()
+    /// Number of places, and of facets.
+    pub fn places(&self) -> usize {
+        self.places.len()
     }
 
     pub fn slopes(&self) -> Vec<Slope> {
-        self.cells.iter().map(|cell| cell.slope).collect()
+        self.places.iter().map(|place| place.slope).collect()
     }
 
     fn grid(&self) -> SlopeGrid {
@@ -70,18 +71,18 @@ impl AnnealingGrid {
     pub fn settle(&mut self) {
         self.row_sums.fill(0.0);
         self.column_sums.fill(0.0);
-        for (k, cell) in self.cells.iter().enumerate() {
-            self.row_sums[k / self.columns] += cell.slope.p;
-            self.column_sums[k % self.columns] += cell.slope.q;
+        for (k, place) in self.places.iter().enumerate() {
+            self.row_sums[k / self.columns] += place.slope.p;
+            self.column_sums[k % self.columns] += place.slope.q;
         }
         if let Some(poisson) = &self.poisson {
             let grid = self.grid();
             let heights = poisson.heights(&grid);
             for (a, b) in grid.x_pairs(true) {
-                self.cells[a].climb[0] = heights[b] - heights[a];
+                self.places[a].climb[0] = heights[b] - heights[a];
             }
             for (a, b) in grid.y_pairs(true) {
-                self.cells[a].climb[1] = heights[b] - heights[a];
+                self.places[a].climb[1] = heights[b] - heights[a];
             }
         }
     }
@@ -89,70 +90,70 @@ impl AnnealingGrid {
     /// The energy for the heights held, summed over the whole plate.
     pub fn energy(&self) -> f64 {
         let grid = self.grid();
-        let cell = |k: usize| &self.cells[k];
-        let x: f64 = grid.x_pairs(true).map(|(a, b)| self.edge_x(cell(a), cell(a).slope, cell(b).slope)).sum();
-        let y: f64 = grid.y_pairs(true).map(|(a, b)| self.edge_y(cell(a), cell(a).slope, cell(b).slope)).sum();
+        let place = |k: usize| &self.places[k];
+        let x: f64 = grid.x_pairs(true).map(|(a, b)| self.edge_x(place(a), place(a).slope, place(b).slope)).sum();
+        let y: f64 = grid.y_pairs(true).map(|(a, b)| self.edge_y(place(a), place(a).slope, place(b).slope)).sum();
         let closure: f64 = self.row_sums.iter().chain(&self.column_sums).map(|sum| sum * sum).sum();
-        x + y + self.prices.closure * closure
+        x + y + self.weights.closure * closure
     }
 
-    /// What exchanging the slopes of cells `a` and `b` would add to the energy.
+    /// What exchanging the slopes of places `a` and `b` would add to the energy.
     #[inline]
     pub fn change(&mut self, a: usize, b: usize) -> f64 {
-        let (in_a, in_b) = (self.cells[a].slope, self.cells[b].slope);
+        let (in_a, in_b) = (self.places[a].slope, self.places[b].slope);
         let (near_a, near_b) = (self.neighbours(a), self.neighbours(b));
         let edges = if near_a.contains(&b) || near_a.contains(&a) {
             // They share an edge, or a row of one cell is its own neighbour: one after the other, then back.
             let first = -self.around(a, near_a, in_a);
-            self.cells[a].slope = in_b;
+            self.places[a].slope = in_b;
             let second = self.around(a, near_a, in_b) - self.around(b, near_b, in_b);
-            self.cells[b].slope = in_a;
+            self.places[b].slope = in_a;
             let third = self.around(b, near_b, in_a);
-            self.cells[b].slope = in_b;
-            self.cells[a].slope = in_a;
+            self.places[b].slope = in_b;
+            self.places[a].slope = in_a;
             first + second + third
         } else {
             let at_a = self.around(a, near_a, in_b) - self.around(a, near_a, in_a);
             at_a + self.around(b, near_b, in_a) - self.around(b, near_b, in_b)
         };
-        if self.prices.closure == 0.0 { edges } else { edges + self.prices.closure * self.closure_change(a, b) }
+        if self.weights.closure == 0.0 { edges } else { edges + self.weights.closure * self.closure_change(a, b) }
     }
 
     /// What the exchange would add to I: (R + d)² - R² + (S - d)² - S² for two rows, and likewise for two columns.
     #[inline]
     fn closure_change(&self, a: usize, b: usize) -> f64 {
-        let d = self.cells[b].slope.to_vec() - self.cells[a].slope.to_vec();
-        let ([i, j], [k, l]) = (self.place(a), self.place(b));
+        let d = self.places[b].slope.to_vec() - self.places[a].slope.to_vec();
+        let ([i, j], [k, l]) = (self.column_and_row(a), self.column_and_row(b));
         let rows = if j == l { 0.0 } else { 2.0 * d.x * (self.row_sums[j] - self.row_sums[l] + d.x) };
         let columns = if i == k { 0.0 } else { 2.0 * d.y * (self.column_sums[i] - self.column_sums[k] + d.y) };
         rows + columns
     }
 
-    /// Exchanges the slopes of cells `a` and `b`.
+    /// Exchanges the slopes of places `a` and `b`.
     #[inline]
     pub fn exchange(&mut self, a: usize, b: usize) {
-        let (in_a, in_b) = (self.cells[a].slope, self.cells[b].slope);
-        let ([i, j], [k, l]) = (self.place(a), self.place(b));
+        let (in_a, in_b) = (self.places[a].slope, self.places[b].slope);
+        let ([i, j], [k, l]) = (self.column_and_row(a), self.column_and_row(b));
         self.row_sums[j] += in_b.p - in_a.p;
         self.row_sums[l] += in_a.p - in_b.p;
         self.column_sums[i] += in_b.q - in_a.q;
         self.column_sums[k] += in_a.q - in_b.q;
-        self.cells[a].slope = in_b;
-        self.cells[b].slope = in_a;
+        self.places[a].slope = in_b;
+        self.places[b].slope = in_a;
     }
 
-    /// Column and row of cell k. Divided in 32 bits, which is faster and enough for any plate in memory.
+    /// Column and row of place k. Divided in 32 bits, which is faster and enough for any plate in memory.
     #[inline(always)]
-    fn place(&self, k: usize) -> [usize; 2] {
+    fn column_and_row(&self, k: usize) -> [usize; 2] {
         let (k, w) = (k as u32, self.columns as u32);
         [(k % w) as usize, (k / w) as usize]
     }
 
-    /// The cells to the left, to the right, below and above.
+    /// The places to the left, to the right, below and above.
     #[inline(always)]
     fn neighbours(&self, k: usize) -> [usize; 4] {
-        let (w, n) = (self.columns, self.cells.len());
-        let [i, _] = self.place(k);
+        let (w, n) = (self.columns, self.places.len());
+        let [i, _] = self.column_and_row(k);
         [
             if i == 0 { k + w - 1 } else { k - 1 },
             if i + 1 == w { k + 1 - w } else { k + 1 },
@@ -161,32 +162,32 @@ impl AnnealingGrid {
         ]
     }
 
-    /// Energy of the four edges of cell k if it held `slope`.
+    /// Energy of the four edges of place k if it held `slope`.
     #[inline(always)]
     fn around(&self, k: usize, [left, right, below, above]: [usize; 4], slope: Slope) -> f64 {
-        let cell = |k: usize| &self.cells[k];
-        self.edge_x(cell(left), cell(left).slope, slope)
-            + self.edge_x(cell(k), slope, cell(right).slope)
-            + self.edge_y(cell(below), cell(below).slope, slope)
-            + self.edge_y(cell(k), slope, cell(above).slope)
+        let place = |k: usize| &self.places[k];
+        self.edge_x(place(left), place(left).slope, slope)
+            + self.edge_x(place(k), slope, place(right).slope)
+            + self.edge_y(place(below), place(below).slope, slope)
+            + self.edge_y(place(k), slope, place(above).slope)
     }
 
     /// Energy of the edge to the right of `place`, with slope `a` in it and `b` beyond the edge.
     #[inline(always)]
-    fn edge_x(&self, place: &Cell, a: Slope, b: Slope) -> f64 {
+    fn edge_x(&self, place: &Place, a: Slope, b: Slope) -> f64 {
         self.edge(place.climb[0] - 0.5 * (a.p + b.p), b.q - a.q, b.p > a.p)
     }
 
     /// Energy of the edge above `place`, with slope `a` in it and `b` beyond the edge.
     #[inline(always)]
-    fn edge_y(&self, place: &Cell, a: Slope, b: Slope) -> f64 {
+    fn edge_y(&self, place: &Place, a: Slope, b: Slope) -> f64 {
         self.edge(place.climb[1] - 0.5 * (a.q + b.q), b.p - a.p, b.q > a.q)
     }
 
     #[inline(always)]
     fn edge(&self, step: f64, twist: f64, valley: bool) -> f64 {
-        let valley = if valley { self.prices.valley } else { 0.0 };
-        self.prices.step * step * step + self.prices.twist * 0.25 * twist * twist + valley
+        let valley = if valley { self.weights.valley } else { 0.0 };
+        self.weights.step * step * step + self.weights.twist * 0.25 * twist * twist + valley
     }
 }
 
@@ -198,7 +199,7 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_xoshiro::Xoshiro256PlusPlus;
 
-    const ALL: Prices = Prices { twist: 1.0, step: 0.7, closure: 0.13, valley: 0.01 };
+    const ALL: Weights = Weights { twist: 1.0, step: 0.7, closure: 0.13, valley: 0.01 };
 
     fn scattered(columns: usize, rows: usize) -> SlopeGrid {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
@@ -211,7 +212,7 @@ mod tests {
         for (columns, rows) in [(9, 7), (5, 5), (2, 6), (6, 2), (2, 2), (1, 12), (12, 1)] {
             let mut plate = AnnealingGrid::new(&scattered(columns, rows), ALL);
             let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
-            let (mut followed, n) = (plate.energy(), plate.cells());
+            let (mut followed, n) = (plate.energy(), plate.places());
             for _ in 0..5000 {
                 let (a, b) = (below(random.next_u64(), n), below(random.next_u64(), n));
                 followed += plate.change(a, b);
@@ -224,7 +225,7 @@ mod tests {
 
     #[test]
     fn asking_for_a_change_changes_nothing_and_new_heights_only_lower_the_energy() {
-        let mut plate = AnnealingGrid::new(&scattered(6, 5), Prices { closure: 0.0, ..ALL });
+        let mut plate = AnnealingGrid::new(&scattered(6, 5), Weights { closure: 0.0, ..ALL });
         let slopes = plate.slopes();
         for (a, b) in [(0, 1), (0, 5), (0, 24), (3, 3), (7, 20)] {
             plate.change(a, b);
@@ -240,17 +241,17 @@ mod tests {
     #[test]
     fn each_part_of_the_energy_is_what_its_name_says() {
         let grid = scattered(8, 6);
-        let none = Prices { twist: 0.0, step: 0.0, closure: 0.0, valley: 0.0 };
-        let energy = |prices| AnnealingGrid::new(&grid, prices).energy();
+        let none = Weights { twist: 0.0, step: 0.0, closure: 0.0, valley: 0.0 };
+        let energy = |weights| AnnealingGrid::new(&grid, weights).energy();
         let heights = LeastSquares::new(8, 6, DVec2::ONE, true).heights(&grid);
         let steps = steps(&grid, &heights, DVec2::ONE, true);
-        assert_eq!(energy(Prices { valley: 1.0, ..none }), steps.valleys as f64);
+        assert_eq!(energy(Weights { valley: 1.0, ..none }), steps.valleys as f64);
         // The mean square of a step m + t s over an edge is m² + s²/12, and C holds s²/4.
-        let squares = energy(Prices { step: 1.0, twist: 1.0 / 3.0, ..none });
+        let squares = energy(Weights { step: 1.0, twist: 1.0 / 3.0, ..none });
         assert!((squares - steps.rms.powi(2) * 96.0).abs() < 1e-9);
         let row = |j: usize| (0..8).map(|i| grid.at(i, j).p).sum::<f64>().powi(2);
         let column = |i: usize| (0..6).map(|j| grid.at(i, j).q).sum::<f64>().powi(2);
         let closure = (0..6).map(row).sum::<f64>() + (0..8).map(column).sum::<f64>();
-        assert!((energy(Prices { closure: 1.0, ..none }) - closure).abs() < 1e-9);
+        assert!((energy(Weights { closure: 1.0, ..none }) - closure).abs() < 1e-9);
     }
 }

@@ -1,5 +1,7 @@
 //! The cheapest assignment of n workers to n places, exactly.
 
+use crate::progress::Progress;
+
 /// No row or column.
 const FREE: usize = usize::MAX;
 
@@ -7,8 +9,8 @@ const FREE: usize = usize::MAX;
 ///
 /// Jonker and Volgenant, Computing 38, 1987: column reduction, two passes in which free rows bid for columns, then
 /// shortest augmenting paths. Prices of columns are kept so that every assigned row has its cheapest column. O(n³) at
-/// worst; on smooth costs the bidding leaves few rows.
-pub fn cheapest_assignment(n: usize, cost: &[f64]) -> Vec<usize> {
+/// worst; on smooth costs the bidding leaves few rows. Told to finish, it gives the rows that are left any columns.
+pub fn cheapest_assignment(n: usize, cost: &[f64], progress: &Progress) -> Vec<usize> {
     debug_assert_eq!(cost.len(), n * n);
     if n == 0 {
         return Vec::new();
@@ -21,6 +23,10 @@ pub fn cheapest_assignment(n: usize, cost: &[f64]) -> Vec<usize> {
     let mut search = Search { distance: vec![0.0; n], previous: vec![0; n], open: Vec::with_capacity(n) };
     for row in 0..n {
         if market.column_of[row] == FREE {
+            if progress.is_to_finish() {
+                market.settle();
+                break;
+            }
             market.augment(row, &mut search);
         }
     }
@@ -43,6 +49,14 @@ struct Search {
 }
 
 impl Market<'_> {
+    /// Gives each free row some free column.
+    fn settle(&mut self) {
+        let mut free = (0..self.n).filter(|&j| self.row_of[j] == FREE);
+        for column in self.column_of.iter_mut().filter(|column| **column == FREE) {
+            *column = free.next().unwrap_or(0);
+        }
+    }
+
     fn row(&self, i: usize) -> &[f64] {
         &self.cost[i * self.n..][..self.n]
     }
@@ -176,7 +190,7 @@ mod tests {
             for seed in 0..20u64 {
                 let value = |k: usize| ((k as u64 + 1) * (seed * 2 + 7919) * 2_654_435_761 % 1000) as f64 / 10.0 - 30.0;
                 let cost: Vec<f64> = (0..n * n).map(value).collect();
-                let found = total(n, &cost, &cheapest_assignment(n, &cost));
+                let found = total(n, &cost, &cheapest_assignment(n, &cost, &Progress::silent()));
                 let best = permutations(n).iter().map(|p| total(n, &cost, p)).fold(f64::INFINITY, f64::min);
                 assert!((found - best).abs() < 1e-9, "n {n} seed {seed}: {found} against {best}");
             }
@@ -188,7 +202,7 @@ mod tests {
         let n = 200;
         let place = |i: usize| (i * 77 + 5) % n;
         let cost: Vec<f64> = (0..n * n).map(|k| (place(k / n) as f64 - (k % n) as f64).powi(2)).collect();
-        let found = cheapest_assignment(n, &cost);
+        let found = cheapest_assignment(n, &cost, &Progress::silent());
         assert!((0..n).all(|i| found[i] == place(i)));
     }
 }

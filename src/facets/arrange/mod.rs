@@ -8,7 +8,7 @@ mod annealing_grid;
 
 pub mod anneal;
 
-pub mod cells;
+pub mod per_cell;
 
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

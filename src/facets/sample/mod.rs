@@ -7,7 +7,7 @@ pub mod kd;
 
 mod nearest;
 
-pub mod cells;
+pub mod equal_mass;
 
 pub mod refine;
 
@@ -53,7 +53,7 @@ pub fn sample(
             (0..n).map(|k| inverse.at(sobol(k, seed))).collect()
         }
         Sampling::Voronoi => {
-            let centres = cells::equal_mass_centres(footprint, n, progress);
+            let centres = equal_mass::equal_mass_centres(footprint, n, progress);
             refine::refined(distribution, centres, progress)
         }
     };

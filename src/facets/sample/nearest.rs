@@ -3,20 +3,30 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
+use crate::progress::Progress;
+
 /// Pairs (a, b), a < b, in ascending order, of points of which one is among the `count` nearest of the other
-/// (`count` at most [`MOST`]).
-pub fn neighbours(points: &[Vec2], count: usize) -> Vec<(usize, usize)> {
+/// (`count` at most [`MOST`]). Abandoned, it returns at once some of them.
+pub fn neighbours(points: &[Vec2], count: usize, progress: &Progress) -> Vec<(usize, usize)> {
     let tree = Tree::new(points);
     let near = |a: usize| {
         let mut nearest = Nearest::new(count);
         tree.search(0..points.len(), points[a], a, &mut nearest);
         nearest.found.into_iter().take(nearest.len).map(move |(_, b)| (a.min(b), a.max(b)))
     };
-    let mut pairs: Vec<_> = (0..points.len()).into_par_iter().flat_map_iter(near).collect();
+    let stretch = |k: usize| {
+        let end = if progress.is_abandoned() { 0 } else { points.len() };
+        (STRETCH * k..(STRETCH * (k + 1)).min(end)).flat_map(near)
+    };
+    let stretches = points.len().div_ceil(STRETCH);
+    let mut pairs: Vec<_> = (0..stretches).into_par_iter().flat_map_iter(stretch).collect();
     pairs.par_sort_unstable();
     pairs.dedup();
     pairs
 }
+
+/// Points whose neighbours are found between two questions whether to go on.
+const STRETCH: usize = 1024;
 
 /// Neighbours of one point at the most.
 pub const MOST: usize = 8;
@@ -147,10 +157,10 @@ mod tests {
 
     #[test]
     fn pairs_are_named_once_and_in_order() {
-        assert_eq!(neighbours(&[], 8), []);
+        assert_eq!(neighbours(&[], 8, &Progress::silent()), []);
         let corners = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(5.0, 0.0)];
-        assert_eq!(neighbours(&corners, 1), [(0, 1), (1, 2)]);
-        let pairs = neighbours(&[Vec2::ONE; 50], 8);
+        assert_eq!(neighbours(&corners, 1, &Progress::silent()), [(0, 1), (1, 2)]);
+        let pairs = neighbours(&[Vec2::ONE; 50], 8, &Progress::silent());
         assert!(pairs.len() >= 50 * 8 / 2 && pairs.iter().all(|&(a, b)| a < b && b < 50));
         assert!(pairs.windows(2).all(|w| w[0] < w[1]));
     }

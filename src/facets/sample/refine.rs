@@ -1,5 +1,5 @@
-//! The last touch on sampled facets: their light, seen through a blur a little finer than their spacing, is brought
-//! to agree with the highlight.
+//! Sampled facets are moved until their light, seen through a blur a little finer than their spacing, agrees with the
+//! highlight.
 //!
 //! Points repel each other and are drawn to the drawing's light (electrostatic halftoning, Schmaltz et al. 2010):
 //! the loss is Σ_k W(k) |light(k) - highlight(k)|² over spatial frequencies, W(k) = exp(-k²σ²) / (k² + k0²).
@@ -14,13 +14,17 @@ use crate::distribution::SlopeDistribution;
 use crate::fourier::{Fourier, even_smooth_size, frequency};
 use crate::progress::Progress;
 
-/// Blur of the comparison, in units of the facets' mean spacing.
+/// Standard deviation of the comparison's blur, in units of the facets' mean spacing. A finer one would ask the points
+/// for detail that no arrangement of them has, a coarser one leaves gaps and heaps that the eye can see.
 const BLUR: f64 = 0.6;
 
-/// Grid pixels a blur.
+/// Grid pixels a blur. The blur's gain at the shortest wave of the grid is exp(-(1.6 π)²), nothing: finer grids give the
+/// same loss and cost more.
 const PIXELS_PER_BLUR: f64 = 1.6;
 
-/// Longest wave that is told apart from a constant, in units of the image side.
+/// Length of wave, in units of the image side, beyond which the loss no longer grows with it: k0 of the loss. At twice
+/// the side, light that lies at the wrong end of the picture weighs most and the mean, which no move changes, has a
+/// finite weight.
 const LONGEST_WAVE: f64 = 2.0;
 
 /// `points` moved so that their blurred light agrees with the distribution's.
@@ -28,7 +32,7 @@ pub fn refined(distribution: &SlopeDistribution, points: Vec<DVec2>, progress: &
     let field = Field::new(distribution, points.len());
     let mut x: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
     let settings = Descent { steps: 120, memory: 10, tolerance: 2e-4, first_move: 0.1 * field.spacing };
-    minimise(&mut x, &settings, |x, gradient| field.loss(x, gradient), |_| !progress.is_cancelled());
+    minimise(&mut x, &settings, |x, gradient| field.loss(x, gradient), |_| !progress.is_to_finish());
     x.chunks(2).map(|p| DVec2::new(p[0], p[1])).collect()
 }
 
@@ -111,7 +115,7 @@ impl<'a> Field<'a> {
     }
 }
 
-/// Grid points across the image at the most.
+/// Grid points across the image at the most: a larger grid costs more than all the facets that it could tell apart.
 const FINEST: usize = 192;
 
 #[cfg(test)]

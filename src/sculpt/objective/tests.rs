@@ -48,7 +48,7 @@ fn assert_gradient(name: &str, scale: LossScale, manufacturing: ManufacturingMod
         let z = objective.relief(&y);
         objective.set_penalties(&z, 0.5);
         if look_at_tool {
-            objective.update_tool_residual(&z);
+            objective.update_tool_residual(&z, &Progress::silent());
         }
         let mut gradient = vec![0.0; n];
         let loss = objective.loss(&y, &mut gradient);
@@ -135,8 +135,10 @@ fn a_tool_residual_makes_the_models_light_that_of_the_milled_relief() {
         Objective::new(lattice(), target(0.125), FINE, ManufacturingModel { cutter: BALL, ..Default::default() });
     let z = objective.relief(&relief_at(&objective, 1));
     let before = objective.misplaced(&z, 0.5);
-    objective.update_tool_residual(&z);
-    let milled = Tool::new(lattice().cell(), BALL.unwrap()).mill(&relief(lattice(), &z, Slope::FLAT)).relief;
+    objective.update_tool_residual(&z, &Progress::silent());
+    let milled = Tool::new(lattice().cell(), BALL.unwrap())
+        .mill(&relief(lattice(), &z, Slope::FLAT), &Progress::silent())
+        .relief;
     let fine = Lattice::of(&milled);
     let light = LightModel::new(fine, SlopeHistogram::new(&objective.target), 0.5, None);
     let mut difference = light.forward(&EdgeSlopes::new(fine, &milled.heights));

@@ -1,5 +1,7 @@
+use std::f64::consts::{FRAC_1_PI, PI, TAU};
+
 use super::*;
-use std::f64::consts::FRAC_1_PI;
+use crate::slope::{direction, mirror};
 
 /// GGX with Smith's separable shadowing and no absorption (Walter et al. 2007), the roughness per axis.
 fn ggx(wi: DVec3, wo: DVec3, ax: f64, ay: f64) -> f64 {

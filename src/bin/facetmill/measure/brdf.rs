@@ -5,18 +5,19 @@ use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfSettings, write_bsdf};
 use facetmill::export::hemisphere_maps::hemisphere_maps;
 use facetmill::export::merl::{Merl, MerlError};
 use facetmill::export::polar_slices::{RadialScale, polar_slices};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
+use facetmill::report::measure::{BrdfFacts, DirectionFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::goniometer::sweep::{Ledger, Swept, sweep};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
 use facetmill::verify::goniometer::table::BrdfAxes;
-use facetmill::verify::measure::Measuring;
-use serde_json::json;
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::{percent, row};
 
 /// The most grazing light, degrees. What a ball shows near its rim lies beyond 85.
 const GRAZING: f64 = 88.0;
@@ -54,13 +55,13 @@ pub fn measure(
     let lights = axes.slices();
     let rays = args.running.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
-    progress.stage("lighting the plate from all sides");
+    progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
         Failure::Impossible("light from some directions meets nothing of the plate: check units and orientation".into())
     })?;
     let (table, laws) = (&swept.table, swept.table.laws());
 
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let mut notes = Vec::new();
     let description =
         format!("facetmill: {} plate of {}", if bench.endless { "endless" } else { "finite" }, bench.material);
@@ -90,7 +91,7 @@ pub fn measure(
         azimuths.iter().flat_map(|phi| drawn.map(|theta| (theta, phi.to_radians()))).collect();
     staged.write_png("maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
 
-    let worst = |share: fn(&Ledger) -> f64| swept.ledger.iter().map(share).fold(0.0, f64::max);
+    let worst = |share: fn(&LightBalance) -> f64| swept.balance.iter().map(share).fold(0.0, f64::max);
     let trapped = worst(|l| l.trapped);
     if trapped > 1e-3 {
         notes.push(format!(
@@ -99,29 +100,32 @@ pub fn measure(
         ));
     }
     let by_light: Vec<_> = swept
-        .ledger
+        .balance
         .iter()
         .enumerate()
-        .map(|(slice, ledger)| {
+        .map(|(slice, light)| {
             let (theta, phi) = table.axes().incident_angles(slice);
-            json!({
-                "theta_deg": theta.to_degrees(), "phi_deg": phi.to_degrees(),
-                "albedo": ledger.up, "multi_bounce": ledger.multi_bounce, "taken": ledger.taken,
-                "trapped": ledger.trapped, "past_edges": ledger.past_edges, "unheld": ledger.unheld,
-            })
+            DirectionFacts {
+                theta_deg: theta.to_degrees(),
+                phi_deg: phi.to_degrees(),
+                albedo: light.up,
+                multi_bounce: light.multi_bounce,
+                taken: light.taken,
+                trapped: light.trapped,
+                past_edges: light.past_edges,
+                unheld: light.unheld,
+            }
         })
         .collect();
-    let facts = json!({
-        "kind": "brdf",
-        "rays_each": rays,
-        "half_vectors": [table.axes().columns(), table.axes().rows()],
-        "least": laws.least,
-        "greatest_albedo": laws.greatest_albedo.0,
-        "greatest_albedo_error": laws.greatest_albedo.1,
-        "reciprocity_error": laws.reciprocity_error,
-        "directions": by_light,
+    let measured = Measured::Brdf(BrdfFacts {
+        rays_each: rays,
+        half_vectors: [table.axes().columns(), table.axes().rows()],
+        least: laws.least,
+        greatest_albedo: laws.greatest_albedo.0,
+        greatest_albedo_error: laws.greatest_albedo.1,
+        reciprocity_error: laws.reciprocity_error,
+        directions: by_light,
     });
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("directions", lights.to_string(), format!("of light, {rays} rays each")),
         row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
@@ -133,7 +137,7 @@ pub fn measure(
             "mean difference when light and viewer change places: noise, and cells",
         ),
     ];
-    Ok(Outcome { facts, rows, notes, look_at: "slices.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "slices.png" })
 }
 
 pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {

@@ -2,16 +2,19 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::pixels::{common_white, tone_mapped};
-use facetmill::progress::Progress;
+use facetmill::job::pictures::rays;
+use facetmill::progress::{Progress, Stage};
+use facetmill::report::measure::{HighlightImageFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::measure::{HighlightImage, collect};
+use facetmill::verify::experiment::HighlightImage;
+use facetmill::verify::measure::collect;
 use facetmill::verify::tally::{Measurement, Tally};
-use serde_json::{Map, Value, json};
 
 use super::{Bench, Outcome};
-use crate::console::{Failure, rays, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::row;
 
 struct Lit<'a> {
     bench: &'a Bench,
@@ -52,11 +55,11 @@ const SHARES: [Share; 9] = [
 ];
 
 pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
-    progress.stage("tracing light over the plate");
+    progress.stage(Stage::Tracing);
     let measurement = bench.plate.run(Lit { bench, progress }).ok_or_else(|| {
         Failure::Impossible("no light reaches the plate's optical area: check units, orientation and --light".into())
     })?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let whole = &measurement.whole;
     let image = whole.share_image();
     let noise = measurement.image_noise();
@@ -65,8 +68,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
 
     let errors = measurement.standard_errors(|tally| SHARES.map(|(_, _, _, share)| share(tally)));
-    let mut shares = Map::new();
-    let mut share_errors = Map::new();
+    let (mut shares, mut share_errors) = (Vec::new(), Vec::new());
     let mut rows = vec![
         row(
             "plate",
@@ -82,8 +84,8 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     ];
     for ((key, name, meaning, share), error) in SHARES.into_iter().zip(errors) {
         let value = share(whole);
-        shares.insert(key.into(), json!(value));
-        share_errors.insert(key.into(), json!(error));
+        shares.push((key, value));
+        share_errors.push((key, error));
         if value.abs() > 5e-5 {
             let figure = format!("{:.2} %", 100.0 * value);
             rows.push(row(name, figure, format!("{meaning} (± {:.3})", 100.0 * error)));
@@ -102,18 +104,17 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
         let percent = 100.0 * trapped;
         notes.push(format!("{percent:.2}% of the light still bounces at the end: raise --max-bounces."));
     }
-    let facts: Value = json!({
-        "kind": "highlight",
-        "projection": bench.recipe.highlight.projection,
-        "half_field": bench.recipe.highlight.half_field,
-        "resolution": bench.measuring.resolution,
-        "pixels": "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
-        "rays": whole.rays,
-        "image_noise_tv": noise,
-        "shares_of_incident": shares,
-        "standard_errors": share_errors,
-        "backface": backface,
-        "balance": whole.balance(),
+    let measured = Measured::Highlight(HighlightImageFacts {
+        projection: bench.recipe.highlight.projection,
+        half_field: bench.recipe.highlight.half_field,
+        resolution: bench.measuring.resolution,
+        pixels: "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
+        rays: whole.rays,
+        image_noise_tv: noise,
+        shares_of_incident: shares.into_iter().collect(),
+        standard_errors: share_errors.into_iter().collect(),
+        backface,
+        balance: whole.balance(),
     });
-    Ok(Outcome { facts, rows, notes, look_at: "highlight.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "highlight.png" })
 }

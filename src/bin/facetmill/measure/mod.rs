@@ -9,43 +9,25 @@ mod render;
 mod wall;
 
 use facetmill::brdf::material::Material;
+use facetmill::job::exports;
+use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
-use facetmill::progress::{Event, Progress};
+use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
+use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
+use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
-use serde_json::{Value, json};
+use facetmill::verify::experiment::{Experiment, Measuring};
 
-use crate::console::{Failure, NEVER, Stages, print_json, print_table};
+use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
+use crate::interrupt::Run;
 use crate::plates::{self, Opened};
+use crate::tables::Row;
 use crate::values::ExtentArg;
 use args::MeasureArgs;
-
-/// Every file that any measurement may write.
-const FILES: &[&str] = &[
-    "highlight.png",
-    "highlight.tiff",
-    "highlight_error.tiff",
-    "brdf.bsdf",
-    "brdf.binary",
-    "brdf.csv",
-    "slices.png",
-    "maps.png",
-    "ndf.png",
-    "ndf.csv",
-    "masking.csv",
-    "wall.png",
-    "wall.tiff",
-    "wall_error.tiff",
-    "look.png",
-    "look.tiff",
-    "look_error.tiff",
-    "report.json",
-];
 
 /// All that every measurement needs, read and checked.
 struct Bench {
@@ -57,28 +39,28 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
-    lamp: Lamp,
+    lamp: Extent,
     measuring: Measuring,
 }
 
 impl Bench {
     /// The plate's surface as it is to be lit.
     fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
-        let (material, lamp) = (self.material.clone(), self.lamp.clone());
-        Experiment { surface, setup: &self.setup, material, lamp }
+        let lamp = self.setup.lamp().with_extent(self.lamp.clone()).into();
+        Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
 
 /// What a measurement has to say, its files being written already.
 struct Outcome {
-    facts: Value,
-    rows: Vec<[String; 3]>,
+    measured: Measured,
+    rows: Vec<Row>,
     notes: Vec<String>,
     look_at: &'static str,
 }
 
 /// Does what `args` say.
-pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
+pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
@@ -91,11 +73,11 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
-    let progress = Progress::new(&listen, &NEVER);
-    progress.stage("reading the plate");
+    let progress = Progress::new(&listen, &run.cancel);
+    progress.stage(Stage::Reading);
     let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {
@@ -120,32 +102,30 @@ pub fn run(args: &MeasureArgs) -> Result<(), Failure> {
     } else {
         highlight::measure(&bench, &mut staged, &progress)?
     };
-    let report = json!({
-        "program": concat!("facetmill ", env!("CARGO_PKG_VERSION")),
-        "plate": bench.opened.facts(),
-        "extent": if bench.endless { "endless" } else { "finite" },
-        "material": bench.material.to_string(),
-        // These have their own.
-        "light": (!args.brdf && !args.ndf).then_some(&bench.recipe.light),
-        "lamp": args.lamp.as_ref().map(|path| json!({
-            "picture": path.to_string_lossy(),
-            "half_field": args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
-        })),
-        "max_bounces": bench.measuring.max_bounces,
-        "seed": bench.measuring.seed,
-        "measured": outcome.facts,
-        "advice": bench.opened.advice.iter().chain(&outcome.notes).collect::<Vec<_>>(),
-    });
-    staged.write_bytes("report.json", format!("{report:#}\n").as_bytes())?;
+    let report = MeasureReport {
+        program: PROGRAM,
+        plate: bench.opened.facts.clone(),
+        extent: if bench.endless { "endless" } else { "finite" },
+        material: bench.material.clone(),
+        // Light from all sides, and none, have no lamp.
+        light: (!args.brdf && !args.ndf).then_some(bench.recipe.light),
+        lamp: args.lamp.as_ref().map(|path| LampFacts {
+            picture: path.to_string_lossy().into_owned(),
+            half_field: args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD),
+        }),
+        max_bounces: bench.measuring.max_bounces,
+        seed: bench.measuring.seed,
+        measured: outcome.measured,
+        advice: [&bench.opened.advice[..], &outcome.notes[..]].concat(),
+    };
+    staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
-    if args.running.json {
-        print_json(&report)?;
-    } else if !args.running.quiet {
-        let notes: Vec<String> = bench.opened.advice.iter().chain(&outcome.notes).cloned().collect();
-        let title = format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at);
-        print_table(&title, &outcome.rows, &notes)?;
-    }
+    tell(&args.running, &report, |report| Table {
+        title: format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at),
+        rows: outcome.rows,
+        notes: report.advice.clone(),
+    })?;
     Ok(())
 }
 
@@ -197,10 +177,10 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Fa
 /// From the middle of a picture-shaped lamp to its rim, degrees.
 const LAMP_HALF_FIELD: f64 = 5.0;
 
-fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
-    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
     let picture = picture::read(path, &Reading::default())?;
-    Lamp::picture(&picture.light, half_field.to_radians())
+    Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }

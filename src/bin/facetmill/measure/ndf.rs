@@ -3,18 +3,19 @@
 use std::io::Write;
 
 use facetmill::export::pixels::{common_white, tone_mapped};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
 use facetmill::raster::Raster;
+use facetmill::report::measure::{Measured, NdfFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::microgeometry::{Masking, NormalDistribution, masking};
 use glam::DVec2;
-use serde_json::json;
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::{percent, row};
 
 /// Cells of the distribution of normals: along the polar angle, around the azimuth.
 const CELLS: (usize, usize) = (256, 128);
@@ -45,7 +46,7 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    progress.stage("counting normals");
+    progress.stage(Stage::Normals);
     let rays = args.running.rays().unwrap_or(RAYS);
     let task = Counted { rays, seed: bench.measuring.seed, progress };
     let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
@@ -53,7 +54,7 @@ pub fn measure(
             "this relief stands on no grid: --ndf needs one of planar facets or of heights, as `design` writes".into(),
         )
     })?;
-    progress.stage("writing files");
+    progress.stage(Stage::Files);
     let rim = RIM * normals.rms_slope[0].max(normals.rms_slope[1]).max(1e-6);
     let picture = slope_picture(&normals, bench.measuring.resolution, rim);
     staged.write_png("ndf.png", &tone_mapped(&picture, common_white(&picture)))?;
@@ -86,16 +87,14 @@ pub fn measure(
         all.iter().sum::<f64>() / all.len().max(1) as f64
     };
     let [p, q] = normals.rms_slope;
-    let facts = json!({
-        "kind": "ndf",
-        "rays_each": rays,
-        "rms_slope": [p, q],
-        "beckmann_alpha": [p * std::f64::consts::SQRT_2, q * std::f64::consts::SQRT_2],
-        "excess_area": normals.excess_area,
-        "picture_rim_slope": rim,
-        "seen_at_deg": { "0": seen_at(0.0), "30": seen_at(30.0), "60": seen_at(60.0), "80": seen_at(80.0) },
+    let measured = Measured::Ndf(NdfFacts {
+        rays_each: rays,
+        rms_slope: [p, q],
+        beckmann_alpha: [p * std::f64::consts::SQRT_2, q * std::f64::consts::SQRT_2],
+        excess_area: normals.excess_area,
+        picture_rim_slope: rim,
+        seen_at_deg: [0.0, 30.0, 60.0, 80.0].map(|theta| (theta, seen_at(theta))).into_iter().collect(),
     });
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("RMS slope", format!("{p:.4}, {q:.4}"), "along x and y; ndf.png reaches four times the greater"),
         row(
@@ -107,7 +106,7 @@ pub fn measure(
         row("seen at 60°", percent(seen_at(60.0)), "of what faces the viewer; the rest hides behind other facets"),
         row("seen at 80°", percent(seen_at(80.0)), "of what faces the viewer"),
     ];
-    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "ndf.png" })
+    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "ndf.png" })
 }
 
 /// Density of slopes over the square of slopes within `rim`, x right, y up: p(s) = D (m·z)⁴.

@@ -2,16 +2,17 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, view_page};
-use facetmill::progress::Progress;
+use facetmill::progress::{Progress, Stage};
+use facetmill::report::measure::{Measured, ShapeFacts, ViewFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, look};
-use serde_json::json;
+use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, render};
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::row;
 
 /// Paths a pixel, unless --rays says how many in all.
 const PATHS: u64 = 256;
@@ -19,16 +20,16 @@ const PATHS: u64 = 256;
 /// Paths a pixel at the most.
 const MOST_PATHS: u64 = 1 << 24;
 
-struct Looker<'a> {
+struct ViewTask<'a> {
     bench: &'a Bench,
     settings: ViewSettings,
     progress: &'a Progress<'a>,
 }
 
-impl Task for Looker<'_> {
+impl Task for ViewTask<'_> {
     type Output = Result<RenderedView, RenderError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        look(&self.bench.experiment(surface), &self.settings, self.progress)
+        render(&self.bench.experiment(surface), &self.settings, self.progress)
     }
 }
 
@@ -66,32 +67,31 @@ pub fn measure(
         max_bounces: bench.measuring.max_bounces,
         seed: bench.measuring.seed,
     };
-    progress.stage("looking at the plate");
-    let view = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
-    progress.stage("writing files");
+    progress.stage(Stage::View);
+    let view = bench.plate.run(ViewTask { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
+    progress.stage(Stage::Files);
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
     staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&view.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (radiance, error) = (mean(&view.radiance.values), mean(&view.errors.values));
-    let facts = json!({
-        "kind": "look",
-        "camera_deg": [theta, phi],
-        "distance_mm": distance,
-        "field_of_view_deg": settings.field_of_view,
-        "shape": match shape {
-            Shape::Flat => json!("flat"),
-            Shape::Sphere { radius } => json!({ "sphere_radius_mm": radius }),
-            Shape::Cylinder { radius } => json!({ "cylinder_radius_mm": radius }),
+    let measured = Measured::View(ViewFacts {
+        camera_deg: [theta, phi],
+        distance_mm: distance,
+        field_of_view_deg: settings.field_of_view,
+        shape: match shape {
+            Shape::Flat => ShapeFacts::Flat,
+            Shape::Sphere { radius } => ShapeFacts::Sphere(radius),
+            Shape::Cylinder { radius } => ShapeFacts::Cylinder(radius),
         },
-        "ambient": settings.ambient,
-        "paths_a_pixel": settings.rays,
-        "pixels": "look.tiff holds radiance in 1/sr for a lamp whose irradiance across its beam is 1",
-        "mean_radiance": radiance,
-        "mean_error": error,
-        "greatest_radiance": view.radiance.max(),
-        "mean_trapped": mean(&view.trapped.values),
+        ambient: settings.ambient,
+        paths_a_pixel: settings.rays,
+        pixels: "look.tiff holds radiance in 1/sr for a lamp whose irradiance across its beam is 1",
+        mean_radiance: radiance,
+        mean_error: error,
+        greatest_radiance: view.radiance.max(),
+        mean_trapped: mean(&view.trapped.values),
     });
     let rows = vec![
         row(
@@ -114,7 +114,7 @@ pub fn measure(
             "A lamp without size is seen nowhere in smooth {material}: only its surroundings are. Give --light-radius."
         ));
     }
-    Ok(Outcome { facts, rows, notes, look_at: "look.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "look.png" })
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.

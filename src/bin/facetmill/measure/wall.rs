@@ -2,20 +2,24 @@
 
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, wall_page};
-use facetmill::progress::Progress;
+use facetmill::job::pictures::rays;
+use facetmill::progress::{Progress, Stage};
 use facetmill::recipe::Seen;
+use facetmill::report::measure::{Measured, WallFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::wall::{WallError, WallImage, WallSettings, throw};
-use serde_json::json;
+use facetmill::verify::wall::{WallError, WallImage, WallSettings, wall_image};
 
 use super::args::MeasureArgs;
 use super::{Bench, Outcome};
-use crate::console::{Failure, rays, row};
+use crate::console::Failure;
 use crate::files::Staged;
+use crate::tables::{percent, row};
 
 struct WallTask<'a> {
     bench: &'a Bench,
+    /// Distance and radius of a lamp nearby, mm.
+    ball: Option<(f64, f64)>,
     settings: WallSettings,
     progress: &'a Progress<'a>,
 }
@@ -23,7 +27,11 @@ struct WallTask<'a> {
 impl Task for WallTask<'_> {
     type Output = Result<WallImage, WallError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        throw(&self.bench.experiment(surface), &self.settings, &self.bench.measuring, self.progress)
+        let mut experiment = self.bench.experiment(surface);
+        if let Some((distance, radius)) = self.ball {
+            experiment = experiment.under_ball(distance, radius);
+        }
+        wall_image(&experiment, &self.settings, &self.bench.measuring, self.progress)
     }
 }
 
@@ -35,25 +43,21 @@ pub fn measure(
 ) -> Result<Outcome, Failure> {
     let usual = WallSettings::default();
     let wall_distance = args.wall.unwrap_or(usual.wall_distance);
-    let lamp_distance = args.lamp_distance.unwrap_or(usual.lamp_distance);
+    let lamp_distance = args.lamp_distance.unwrap_or(f64::INFINITY);
+    let lamp_radius = args.lamp_radius.unwrap_or(0.0);
     // The whole highlight, what the plate's own size adds, and a rim.
     let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
     let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
-    let settings = WallSettings {
-        lamp_distance,
-        lamp_radius: args.lamp_radius.unwrap_or(usual.lamp_radius),
-        wall_distance,
-        wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt),
-        half_width,
-    };
-    progress.stage("throwing light on the wall");
-    let image = bench.plate.run(WallTask { bench, settings, progress }).map_err(refused)?;
-    progress.stage("writing files");
+    let settings = WallSettings { wall_distance, wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt), half_width };
+    progress.stage(Stage::Wall);
+    let ball = args.lamp_distance.map(|distance| (distance, lamp_radius));
+    let image = bench.plate.run(WallTask { bench, ball, settings, progress }).map_err(refused)?;
+    progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
-        heading: format!("WallImage by {}, {}", bench.name, bench.material),
+        heading: format!("Light on a wall by {}, {}", bench.name, bench.material),
         ..Exposure::default()
     };
     staged.write_png("wall.png", &wall_page(&image, &settings, &exposure))?;
@@ -61,30 +65,28 @@ pub fn measure(
     staged.write("wall_error.tiff", |out| write_float_tiff(&image.errors(), out))?;
     let [landed, beside, nowhere] = image.shares();
     let blur = image.blur;
-    let facts = json!({
-        "kind": "wall",
-        "wall_distance_mm": wall_distance,
-        "wall_tilt_deg": settings.wall_tilt,
-        "lamp_distance_mm": lamp_distance.is_finite().then_some(lamp_distance),
-        "lamp_radius_mm": settings.lamp_radius,
-        "width_mm": 2.0 * half_width,
-        "resolution": bench.measuring.resolution,
-        "pixels": "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",
-        "mirrored": mirrored,
-        "in_picture": landed.0,
-        "in_picture_error": landed.1,
-        "beside_picture": beside.0,
-        "on_no_wall": nowhere.0,
-        "blur_by_plate_mm": [blur.plate.x, blur.plate.y],
-        "blur_by_lamp_mm": [blur.lamp.x, blur.lamp.y],
-        "blur_by_plate_deg": [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
-        "blur_by_lamp_deg": blur.lamp_angle.to_degrees(),
-        "image_noise_tv": image.measurement.image_noise(),
-        "rays": image.measurement.whole.rays,
+    let measured = Measured::Wall(WallFacts {
+        wall_distance_mm: wall_distance,
+        wall_tilt_deg: settings.wall_tilt,
+        lamp_distance_mm: lamp_distance.is_finite().then_some(lamp_distance),
+        lamp_radius_mm: lamp_radius,
+        width_mm: 2.0 * half_width,
+        resolution: bench.measuring.resolution,
+        pixels: "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",
+        mirrored,
+        in_picture: landed.0,
+        in_picture_error: landed.1,
+        beside_picture: beside.0,
+        on_no_wall: nowhere.0,
+        blur_by_plate_mm: blur.plate.to_array(),
+        blur_by_lamp_mm: blur.lamp.to_array(),
+        blur_by_plate_deg: [blur.plate_angle.x.to_degrees(), blur.plate_angle.y.to_degrees()],
+        blur_by_lamp_deg: blur.lamp_angle.to_degrees(),
+        image_noise_tv: image.measurement.image_noise(),
+        rays: image.measurement.whole.rays,
     });
     // What passes the wall's horizon is spread without end.
     let length = |mm: f64| if mm.is_finite() { format!("{mm:.1} mm") } else { "endless".into() };
-    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
     let rows = vec![
         row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
         row("rays", rays(image.measurement.whole.rays), "traced"),
@@ -101,7 +103,7 @@ pub fn measure(
             "wide: the lamp's image, as through a pinhole; each point of the highlight is blurred by both",
         ),
     ];
-    Ok(Outcome { facts, rows, notes: Vec::new(), look_at: "wall.png" })
+    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "wall.png" })
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.

@@ -4,23 +4,29 @@
 //! mean over the square weighs cells by the rays they counted: the least scatter the counts allow. The nodes are those
 //! whose bilinear surface is the least-squares fit; unlike means around the nodes they are exact for bilinear data.
 
+use nalgebra::{Cholesky, DMatrix, Dyn};
+
 /// Points each way over the whole square, at least: about as fine as the tables themselves.
 const POINTS: usize = 128;
 
 /// Least-squares fit of a bilinear surface over the unit square.
+///
+/// A hat function of the square is the product of one along s1 and one along s2, so that the normal equations of the
+/// nodes X are G X G = S, with the Gram matrix G of the hat functions along one side and the sums S of what the points
+/// say of each node.
 pub(super) struct GridFit {
     /// Nodes a side.
     side: usize,
     /// Points between two nodes.
     points: usize,
-    /// Upper bidiagonal of the eliminated Gram matrix of hat functions, and the inverse pivots.
-    pivots: Vec<(f64, f64)>,
+    /// G, ready to be solved.
+    gram: Cholesky<f64, Dyn>,
 }
 
 impl GridFit {
-    /// For `side` × `side` nodes, 2 or more.
-    pub(super) fn new(side: usize) -> Self {
-        let points = POINTS.div_ceil(side - 1).max(2);
+    /// For `side` × `side` nodes; `None` for fewer than 2 a side.
+    pub(super) fn new(side: usize) -> Option<Self> {
+        let points = POINTS.div_ceil(side.checked_sub(1).filter(|&gaps| gaps > 0)?).max(2);
         // The points' own sums, not integrals: so bilinear data comes back exactly.
         let (mut own, mut shared) = (0.0, 0.0);
         for k in 0..points {
@@ -28,13 +34,13 @@ impl GridFit {
             own += t * t;
             shared += t * (1.0 - t);
         }
-        let mut pivots: Vec<(f64, f64)> = Vec::with_capacity(side);
-        for node in 0..side {
-            let diagonal = if node == 0 || node == side - 1 { own } else { 2.0 * own };
-            let inverse = 1.0 / (diagonal - pivots.last().map_or(0.0, |(_, upper)| shared * upper));
-            pivots.push((inverse, shared * inverse));
-        }
-        Self { side, points, pivots }
+        let gram = DMatrix::from_fn(side, side, |i, j| match i.abs_diff(j) {
+            0 if i == 0 || i == side - 1 => own,
+            0 => 2.0 * own,
+            1 => shared,
+            _ => 0.0,
+        });
+        Some(Self { side, points, gram: gram.cholesky()? })
     }
 
     /// Points a side.
@@ -62,30 +68,12 @@ impl GridFit {
             sums[first + side] += (1.0 - s) * t * value;
             sums[first + side + 1] += s * t * value;
         }
-        for line in 0..side {
-            self.solve(&mut sums, side * line, 1);
-        }
-        for line in 0..side {
-            self.solve(&mut sums, line, side);
-        }
-        sums.iter().map(|value| *value as f32).collect()
-    }
-
-    /// Solves the tridiagonal system along one line, in place.
-    fn solve(&self, values: &mut [f64], first: usize, step: usize) {
-        // Entries beside the diagonal are all the same.
-        let shared = self.pivots[0].1 / self.pivots[0].0;
-        let mut before = 0.0;
-        for (node, (inverse, _)) in self.pivots.iter().enumerate() {
-            let value = &mut values[first + step * node];
-            *value = (*value - shared * before) * inverse;
-            before = *value;
-        }
-        for (node, (_, upper)) in self.pivots.iter().enumerate().rev().skip(1) {
-            let value = &mut values[first + step * node];
-            *value -= upper * before;
-            before = *value;
-        }
+        // Read by columns or by rows, S is the same equation in s1 or s2.
+        let mut sums = DMatrix::from_vec(side, side, sums);
+        self.gram.solve_mut(&mut sums);
+        let mut sums = sums.transpose();
+        self.gram.solve_mut(&mut sums);
+        sums.transpose().iter().map(|value| *value as f32).collect()
     }
 }
 
@@ -97,7 +85,7 @@ mod tests {
     fn what_is_bilinear_between_nodes_comes_back() {
         for side in [2, 3, 17, 40] {
             let wanted: Vec<f64> = (0..side * side).map(|k| f64::from(k as u32 * 7919 % 101) - 50.0).collect();
-            let fit = GridFit::new(side);
+            let fit = GridFit::new(side).unwrap();
             let values = fit.places(|s, t| {
                 let (x, y) = (s * (side - 1) as f64, t * (side - 1) as f64);
                 let near = |a: f64, node: usize| (1.0 - (a - node as f64).abs()).max(0.0);
@@ -111,7 +99,7 @@ mod tests {
 
     #[test]
     fn noise_shrinks_as_points_are_many() {
-        let fit = GridFit::new(17);
+        let fit = GridFit::new(17).unwrap();
         let mut state = 1u64;
         let values: Vec<f64> = fit
             .places(|_, _| ())

@@ -2,6 +2,7 @@
 
 use crate::facets::SlopeGrid;
 use crate::facets::sample::kd;
+use crate::progress::Progress;
 use crate::slope::Slope;
 
 /// Deals `slopes` out to `cells` × `cells` equal cells and lets `arrange` order each (slopes, columns, rows, cell).
@@ -11,7 +12,7 @@ use crate::slope::Slope;
 /// 1/cells² as many distinct facets.
 ///
 /// `columns` and `rows` are multiples of `cells`.
-pub fn in_cells(
+pub fn arrange_per_cell(
     mut slopes: Vec<Slope>,
     columns: usize,
     rows: usize,
@@ -22,7 +23,7 @@ pub fn in_cells(
         return arrange(slopes, columns, rows, 0);
     }
     let each = cells * cells;
-    kd::group(&mut slopes, each, &|s: &Slope| s.to_vec());
+    kd::group(&mut slopes, each, &|s: &Slope| s.to_vec(), &Progress::silent());
     let (width, height) = (columns / cells, rows / cells);
     let mut grid = SlopeGrid { columns, rows, slopes: vec![Slope::FLAT; columns * rows] };
     for cell in 0..each {
@@ -49,7 +50,7 @@ mod tests {
             (0..144).map(|k| Slope::new((k as f64 * 0.618).fract(), (k as f64 * 0.414).fract())).collect();
         let mean = slopes.iter().map(|s| s.to_vec()).sum::<DVec2>() / 144.0;
         let plain = |slopes, columns, rows, _| SlopeGrid { columns, rows, slopes };
-        let grid = in_cells(slopes.clone(), 12, 12, 2, plain);
+        let grid = arrange_per_cell(slopes.clone(), 12, 12, 2, plain);
         for cell in 0..4 {
             let (x0, y0) = (cell % 2 * 6, cell / 2 * 6);
             let part: DVec2 = (0..36).map(|k| grid.slopes[(y0 + k / 6) * 12 + x0 + k % 6].to_vec()).sum();
@@ -61,6 +62,6 @@ mod tests {
         before.sort_unstable();
         after.sort_unstable();
         assert_eq!(before, after);
-        assert_eq!(in_cells(slopes.clone(), 16, 9, 1, plain).slopes, slopes);
+        assert_eq!(arrange_per_cell(slopes.clone(), 16, 9, 1, plain).slopes, slopes);
     }
 }

@@ -1,4 +1,4 @@
-//! Centroidal cells of equal mass: the paper's stippling done right for equal facets.
+//! Centroidal cells of equal mass, whose centres stand for facets of equal area.
 //!
 //! Plain weighted Voronoi stippling lets the cells' masses drift apart, and facets all have the same area. Here the
 //! density becomes many atoms of one mass, every cell owns the same number of them throughout, and neighbouring
@@ -18,16 +18,19 @@ use crate::raster::Raster;
 pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Vec<DVec2> {
     let size = atoms_per_cell(n);
     let mut atoms = equal_mass_atoms(density, n * size);
-    kd::group(&mut atoms, size, &|atom| atom.as_dvec2());
+    kd::group(&mut atoms, size, &|atom| atom.as_dvec2(), progress);
     let mut centres: Vec<Vec2> = atoms.chunks(size).map(centroid).collect();
     let mut scratch = Vec::with_capacity(2 * size);
     for sweep in 0..SWEEPS {
         progress.fraction(sweep as f64 / SWEEPS as f64);
-        if progress.is_cancelled() {
+        if progress.is_to_finish() {
             break;
         }
         let mut moved = 0.0f64;
-        for (a, b) in neighbours(&centres, MOST) {
+        for (k, (a, b)) in neighbours(&centres, MOST, progress).into_iter().enumerate() {
+            if k.is_multiple_of(PAIRS_A_QUESTION) && progress.is_to_finish() {
+                break;
+            }
             let axis = centres[b] - centres[a];
             scratch.clear();
             scratch.extend(atoms[a * size..][..size].iter().chain(&atoms[b * size..][..size]));
@@ -48,8 +51,10 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
     centres.iter().map(|c| c.as_dvec2()).collect()
 }
 
-/// Moves centres far from all of their own cell's atoms to the nearest of those. Masses that are no multiple of a
-/// facet's leave cells that reach across a gap, and no light belongs into the middle of it.
+/// Moves each centre that is farther from all of its cell's atoms than the median cell is wide to the nearest of them.
+///
+/// Where bright regions hold no whole number of facets' mass, a cell reaches across the dark between two of them, and
+/// its centroid would lie in the dark.
 fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
     let mut spreads: Vec<f32> = atoms.chunks(size).zip(&*centres).map(|(cell, c)| spread(cell, *c)).collect();
     let middle = spreads.len() / 2;
@@ -63,10 +68,15 @@ fn snap_to_own_atoms(atoms: &[Vec2], centres: &mut [Vec2], size: usize) {
     }
 }
 
-/// Sweeps over all neighbouring pairs, at most.
+/// Pairs exchanged between two questions whether to go on.
+const PAIRS_A_QUESTION: usize = 1024;
+
+/// Sweeps over all neighbouring pairs, at most. Pictures come to rest by [`STILL`] in fewer; the bound is for densities
+/// whose cells drift for long along a line.
 const SWEEPS: usize = 24;
 
-/// Sum of squared moves in a sweep, as a share of the sum of the cells' spreads, that ends the sweeps.
+/// Sum of squared moves in a sweep, as a share of the sum of the cells' spreads, that ends the sweeps:
+/// centres then move by a thirtieth of their cell's radius, and the refinement that follows moves them farther.
 const STILL: f64 = 1e-3;
 
 /// More atoms draw the cells' borders finer; at a million facets memory and time matter more.
@@ -140,7 +150,11 @@ mod tests {
         let pixel = |k: usize| View::pixel_centre(k % SIDE, k / SIDE, SIDE, SIDE);
         let n = SIDE * SIDE;
         let cost: Vec<f64> = (0..n * n).map(|k| pixel(k / n).distance_squared(points[k % n / each])).collect();
-        let total: f64 = cheapest_assignment(n, &cost).iter().enumerate().map(|(row, &to)| cost[row * n + to]).sum();
+        let total: f64 = cheapest_assignment(n, &cost, &Progress::silent())
+            .iter()
+            .enumerate()
+            .map(|(row, &to)| cost[row * n + to])
+            .sum();
         let h = 2.0 / SIDE as f64;
         let bound = 5.0 / (18.0 * 3f64.sqrt()) * 4.0 / points.len() as f64;
         ((total / n as f64 + h * h / 6.0) / bound).sqrt()

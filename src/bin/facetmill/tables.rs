@@ -1,0 +1,151 @@
+//! The tables that a person sees, made from the reports.
+
+use facetmill::job::pictures::rays;
+use facetmill::recipe::Recipe;
+use facetmill::report::design::{DesignReport, PlateFacts};
+use facetmill::report::estimate::{EstimateReport, Parts};
+use facetmill::report::scores::Scores;
+use facetmill::report::verify::VerifyReport;
+use facetmill::sharpen::SCORED_AT;
+use facetmill::verify::verdict::MAIN_BLUR;
+
+/// Name, value and meaning of a figure.
+pub type Row = [String; 3];
+
+/// A row of a table.
+pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> Row {
+    [name.to_owned(), value.into(), meaning.into()]
+}
+
+/// A share in percent with two decimals. What rounds to nothing is nothing, without a sign.
+pub fn percent(share: f64) -> String {
+    format!("{:.2} %", (1e4 * share).round() / 100.0 + 0.0)
+}
+
+/// A design that was written.
+pub fn design(report: &DesignReport) -> Vec<Row> {
+    let mut table = plate(report);
+    table.extend(report.designed.iter().flat_map(scores));
+    if let (Some(windows), Some(diffraction)) = (&report.windows_tv_1deg, &report.diffraction) {
+        let half = 100.0 * windows.half_cell.mean;
+        let meaning = format!("misplaced, anywhere on the plate; half a cell: {half:.0} %");
+        table.push(row("window of a cell", percent(windows.one_cell.largest), meaning));
+        let meaning = "of the light comes from patches that diffract it by more than 1°";
+        table.push(row("small mirrors", percent(diffraction.share_beyond_1deg), meaning));
+    }
+    if let Some(milled) = &report.as_milled {
+        let left = format!("{:.2} µm", milled.left_by_cutter_um);
+        table.push(row("left by cutter", left, "at the most, above the written surface"));
+        let scores = &milled.scores;
+        let likeness = format!("likeness {:.3}", Scores::main(&scores.ssim));
+        table.push(row("misplaced as milled", percent(Scores::main(&scores.tv_incident)), likeness));
+    }
+    if let Some(beside) = &report.beside_facets {
+        let ([across, up], tv) = (beside.facets, beside.tv_incident_1deg);
+        let (other, misplaced, what) = match report.design.continuous {
+            Some(_) => ("flat facets", tv.flat, format!("{across} × {up} of them")),
+            None => ("sheet", tv.continuous, "one sheet".into()),
+        };
+        let how = if beside.as_milled { ", milled alike" } else { "" };
+        table.push(row(other, percent(misplaced), format!("misplaced by {what} instead{how}")));
+    }
+    if let Some(stopped) = report.design.continuous.as_ref().and_then(|sheet| sheet.stopped_early) {
+        let steps = format!("{} of {}", stopped.steps_done, stopped.steps);
+        table.push(row("stopped early", steps, "steps of the design were done"));
+    }
+    let cpu = report.design.seconds.get("total").unwrap_or(0.0);
+    table.push(row("design", format!("{cpu:.2} s"), "of CPU time, before tracing"));
+    table
+}
+
+/// The plate itself, before light is sent over it.
+fn plate(report: &DesignReport) -> Vec<Row> {
+    let PlateFacts { pitch_mm: [x, y], mount, relief_height_mm, step_rms_mm, .. } = &report.design;
+    let [width, height] = report.recipe.plate.size;
+    let each = if report.design.continuous.is_some() { "nodes every" } else { "each" };
+    let meaning = format!("of {}, {each} {x:.3} × {y:.3} mm", report.made_of());
+    let mut table = vec![
+        row("plate", format!("{width} × {height} mm"), meaning),
+        row("relief", format!("{relief_height_mm:.3} mm"), "from its lowest to its highest point"),
+    ];
+    if let Some(valleys) = report.design.inner_valleys {
+        let steps = format!("{step_rms_mm:.4} mm");
+        table.push(row("steps", steps, "between neighbours, root mean square; 0 is seamless"));
+        let meaning = "edges inside the plate where a cutter leaves its radius";
+        table.push(row("valleys", valleys.to_string(), meaning));
+    }
+    if mount.theta > 0.0 {
+        let meaning = format!("tilted so, its normal toward azimuth {:.1}°", mount.phi);
+        table.push(row("mount", format!("{:.2}°", mount.theta), meaning));
+    }
+    if let Some(worth) = &report.blur.sharpening {
+        let at = |figures: &facetmill::report::Named| figures.get(&SCORED_AT.to_string()).unwrap_or(f64::NAN);
+        let without = 100.0 * at(&worth.tv_without);
+        let meaning = format!("misplaced by lamp and metal, seen at {SCORED_AT}°; {without:.2} % if not sharpened");
+        table.push(row("blur (TV)", percent(at(&worth.tv_with)), meaning));
+    }
+    table
+}
+
+/// What a design of `recipe` would be.
+pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
+    let ([width, height], [x, y]) = (report.plate_mm, report.pitch_mm);
+    let pieces = match report.parts {
+        Parts::Facets { .. } => {
+            let [columns, rows] = recipe.facets();
+            row("facets", format!("{columns} × {rows}"), format!("each {x:.3} × {y:.3} mm"))
+        }
+        Parts::Sheet { grid, cells: [across, up] } => {
+            row("cells", format!("{across} × {up}"), format!("of {grid} × {grid} nodes"))
+        }
+    };
+    let about = |seconds: f64| format!("about {seconds:.1} s");
+    let proof = report.verify_cpu_seconds_about;
+    let sent = if proof > 0.0 { format!("for {} rays", rays(recipe.verify.rays)) } else { "not asked for".into() };
+    let megabytes = format!("about {:.1} MB", report.stl_bytes_about as f64 / 1e6);
+    let mut table = vec![
+        row("plate", format!("{width} × {height} mm"), "with its rim"),
+        pieces,
+        row("plate.stl", megabytes, format!("{} triangles", report.stl_triangles_about)),
+        row("design", about(report.design_cpu_seconds_about), "of CPU time"),
+        row("proof", about(proof), sent),
+        row("files", about(report.files_cpu_seconds_about), "mostly for pictures"),
+    ];
+    if let Some(share) = report.least_stray_share {
+        let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";
+        table.push(row("straying", percent(share), meaning));
+    }
+    table
+}
+
+/// A mesh that was scored against a picture.
+pub fn verify(report: &VerifyReport) -> Vec<Row> {
+    let plate = &report.plate;
+    let [width, height, _] = plate.size_mm;
+    let relief = format!("{:.3} mm", plate.relief_height_mm);
+    let mut table = vec![
+        row("plate", format!("{width:.2} × {height:.2} mm"), format!("of {} triangles", plate.triangles)),
+        row("relief", relief, "from its lowest to its highest point"),
+    ];
+    table.extend(scores(&report.measured));
+    table
+}
+
+/// The figures of a highlight against its drawing.
+fn scores(scores: &Scores) -> Vec<Row> {
+    let error = 100.0 * Scores::main(&scores.error.tv_incident);
+    let likeness = format!("{:.3}", Scores::main(&scores.ssim));
+    vec![
+        row("rays", rays(scores.rays), format!("traced; the highlight is scored through a blur of {MAIN_BLUR}°")),
+        row(
+            "misplaced (TV)",
+            percent(Scores::main(&scores.tv_incident)),
+            format!("of the light falls in the wrong place or is lost (± {error:.2}); 0 is perfect"),
+        ),
+        row("likeness (SSIM)", likeness, "to the drawing; 1 is the same picture"),
+        row("shift (W1)", format!("{:.2}°", scores.w1_deg), "that light must move on average to be the drawing"),
+        row("efficiency", percent(scores.efficiency), "of the light lands where the drawing is lit"),
+        row("bounced twice", percent(scores.multi_bounce), "of what leaves the plate has met it more than once"),
+        row("blocked", percent(scores.blocked), "of the light never leaves the plate upward"),
+    ]
+}

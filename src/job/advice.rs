@@ -1,0 +1,130 @@
+//! Sentences of advice to whoever made a design, where something is off.
+
+use super::compare::FacetComparison;
+use super::design::Design;
+use crate::distribution::SlopeDistribution;
+use crate::recipe::{Recipe, SurfaceKind};
+use crate::sharpen::SCORED_AT;
+use crate::verify::verdict::Verdict;
+
+/// What a person should know when something is off; empty when nothing is. `verdict` is absent if no light was sent.
+pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Vec<String> {
+    let of_proof = |verdict| [detail(recipe, design, verdict), lost_light(design, verdict)];
+    [below_plate(design), beyond_cap(recipe, design), mean_slope(recipe, design), no_cutter(recipe)]
+        .into_iter()
+        .chain(verdict.into_iter().flat_map(of_proof))
+        .flatten()
+        .collect()
+}
+
+/// Height that the mean slope alone costs from corner to corner, mm.
+pub(super) fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
+    let [x, y] = recipe.plate.size;
+    distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1}%", 100.0 * share)
+}
+
+/// Light that was painted where nobody can see it.
+fn below_plate(design: &Design) -> Option<String> {
+    let lost = percent(design.below_plate);
+    (design.below_plate > 0.001).then(|| {
+        format!(
+            "{lost} of the picture's light lies below the plate and was left out: lower the light's angle or --half-field."
+        )
+    })
+}
+
+/// Light that needs too steep a slope.
+fn beyond_cap(recipe: &Recipe, design: &Design) -> Option<String> {
+    let (lost, cap) = (percent(design.distribution.beyond_cap), recipe.design.distribution.slope_cap);
+    (design.distribution.beyond_cap > 0.001).then(|| {
+        format!(
+            "{lost} of the highlight needs slopes steeper than {cap}° and was cut: raise --slope-cap or lower --half-field."
+        )
+    })
+}
+
+/// A highlight off centre, whose mean slope makes the relief high or its walls large.
+fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
+    let costs = mean_slope_costs(recipe, &design.distribution);
+    let (low, high) = design.relief.height_range();
+    if costs <= 0.5 || costs <= 0.5 * (high - low) {
+        return None;
+    }
+    if design.sheet.is_none() && recipe.heights().is_cyclic() {
+        return Some(
+            "The highlight is off centre and the arrangement is cyclic, so its mean slope stands in walls: add --level."
+                .into(),
+        );
+    }
+    let tilt = design.distribution.mean.tilt().to_degrees();
+    Some(format!(
+        "The highlight is off centre, which tilts the whole relief by {costs:.1} mm: --level mounts the plate at {tilt:.1}° instead."
+    ))
+}
+
+fn no_cutter(recipe: &Recipe) -> Option<String> {
+    let sharp = recipe.surface() == SurfaceKind::Sheet && recipe.design.cutter.is_none();
+    sharp.then(|| {
+        "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
+            .into()
+    })
+}
+
+/// More detail in the picture than lamp and metal, or the facets, can show.
+fn detail(recipe: &Recipe, design: &Design, verdict: &Verdict) -> Option<String> {
+    let tv = verdict.main().tv.value;
+    let blurred = design.sharpening.map_or(0.0, |worth| worth.after);
+    if blurred > 0.05 {
+        return Some(format!(
+            "Lamp and metal blur the picture by more than light can be sharpened (TV {blurred:.3} at {SCORED_AT}°): a smaller lamp, better polish, or a picture of coarser detail or larger --half-field."
+        ));
+    }
+    let [columns, rows] = recipe.facets();
+    (tv > 0.05 && design.sheet.is_none()).then(|| {
+        format!(
+            "The picture has more detail than {columns}x{rows} facets can show at a blur of 1° (TV {tv:.3}): try --facets {}x{}.",
+            2 * columns,
+            2 * rows
+        )
+    })
+}
+
+/// Light that walls and valleys of facets take or bounce twice.
+fn lost_light(design: &Design, verdict: &Verdict) -> Option<String> {
+    let (blocked, twice) = (verdict.blocked.value, verdict.multi_bounce.value);
+    (blocked + twice > 0.02 && design.sheet.is_none()).then(|| {
+        format!(
+            "{} of the light is blocked and {} bounces twice, on walls and valleys: --arrange transport has the fewest.",
+            percent(blocked),
+            percent(twice)
+        )
+    })
+}
+
+/// That flat facets are better than a sheet, and what follows.
+pub(super) fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &FacetComparison) -> String {
+    let FacetComparison { facets: [columns, rows], flat, continuous, milled } = comparison;
+    let figures = format!(
+        "{columns}x{rows} of them misplace {:.2}% of the light at a blur of 1°{}, the sheet {:.2}%",
+        100.0 * flat.misplaced,
+        if *milled { " once cut" } else { "" },
+        100.0 * continuous.misplaced
+    );
+    let Some(sheet) = &design.sheet else {
+        return format!("Flat facets were made, since {figures}: --surface continuous makes the sheet all the same.");
+    };
+    let remedies = [
+        (sheet.stopped_early().is_some(), "let the design come to its end"),
+        (recipe.design.max_depth.is_some(), "raise --max-depth"),
+        (recipe.design.min_feature > 0.0, "lower --min-feature"),
+        (recipe.plate.grid.is_some(), "raise --grid"),
+        (recipe.plate.max_triangles.is_some(), "raise --max-triangles"),
+        (recipe.design.cutter.is_some(), "take a smaller cutter"),
+    ];
+    let remedies: String = remedies.iter().filter(|(helps, _)| *helps).map(|(_, what)| format!("{what}, ")).collect();
+    format!("Flat facets would do better, since {figures}: {remedies}or take --surface flat.")
+}

@@ -1,0 +1,313 @@
+//! The report of a design.
+
+use serde::{Deserialize, Serialize};
+
+use super::scores::Scores;
+use super::{Named, PictureFacts};
+use crate::brdf::material::Material;
+use crate::cutter::Cutter;
+use crate::recipe::Recipe;
+use crate::sculpt::start::Start;
+
+/// Everything that is known of a design.
+#[derive(Clone, Debug, Serialize)]
+pub struct DesignReport {
+    /// The program and its version.
+    pub program: &'static str,
+    /// The drawing.
+    pub picture: PictureFacts,
+    /// Every setting.
+    pub recipe: Recipe,
+    /// What of the drawing can be lit, and how brightly.
+    pub highlight: HighlightFacts,
+    /// What lamp and metal blur.
+    pub blur: BlurFacts,
+    /// The plate.
+    pub design: PlateFacts,
+    /// Its file.
+    pub stl: StlFacts,
+    /// Light over the plate as designed, if any was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub designed: Option<Scores>,
+    /// Windows of a sheet, if light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub windows_tv_1deg: Option<WindowFacts>,
+    /// Of a sheet, if light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffraction: Option<DiffractionFacts>,
+    /// Light over the plate as its cutter leaves it, if there is one and light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_milled: Option<MilledFacts>,
+    /// The sheet beside facets, if they were compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside_facets: Option<BesideFacets>,
+    /// What a person should know; empty if nothing is off.
+    pub advice: Vec<String>,
+}
+
+impl DesignReport {
+    /// What the relief is made of, in words.
+    pub fn made_of(&self) -> String {
+        made_of(&self.recipe, self.design.continuous.as_ref().map(|sheet| sheet.cells))
+    }
+}
+
+/// What a relief is made of, in words; `cells` are those of a sheet.
+pub fn made_of(recipe: &Recipe, cells: Option<[usize; 2]>) -> String {
+    match cells {
+        None => {
+            let [across, up] = recipe.facets();
+            format!("{across} × {up} facets")
+        }
+        Some([across, up]) => {
+            let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
+            format!("{across} × {up} cells of a sheet{cutter}")
+        }
+    }
+}
+
+/// What of a drawing can be lit, and how brightly.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HighlightFacts {
+    /// Share of the drawing's light below the plate.
+    pub below_plate: f64,
+    /// Share of the highlight that needs steeper slopes than allowed.
+    pub beyond_cap: f64,
+    /// How many times as bright as white paper the brightest spot looks.
+    pub brightest_vs_white_paper: f64,
+}
+
+/// What lamp and metal blur.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BlurFacts {
+    /// Angular radius of the lamp, degrees.
+    pub light_radius_deg: f64,
+    /// Scatter of the metal, degrees.
+    pub lobe_deg: f64,
+    /// The metal as a material.
+    pub metal: Material,
+    /// What sharpening the light against both is worth, if they blur.
+    pub sharpening: Option<SharpeningFacts>,
+}
+
+/// What sharpening is worth: misplaced light at a blur, under the blur's degrees.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SharpeningFacts {
+    /// If the drawing itself is sent.
+    pub tv_without: Named,
+    /// If the sharpened light is.
+    pub tv_with: Named,
+    /// Steps of the sharpening.
+    pub steps: usize,
+}
+
+/// The plate.
+#[derive(Clone, Debug, Serialize)]
+pub struct PlateFacts {
+    /// Its kind, and why it is of that kind.
+    pub surface: String,
+    /// Sides of a facet, or distance of a sheet's nodes, mm.
+    pub pitch_mm: [f64; 2],
+    /// From its lowest to its highest point, mm.
+    pub relief_height_mm: f64,
+    /// Mean slope along x and y.
+    pub mean_slope: [f64; 2],
+    /// Tilt of that slope, degrees.
+    pub mean_slope_deg: f64,
+    /// Height that it costs from corner to corner, mm.
+    pub mean_slope_costs_mm: f64,
+    /// Root mean square of the slopes about their mean.
+    pub slope_spread: f64,
+    /// How the plate is to be mounted.
+    #[serde(flatten)]
+    pub mount: Mount,
+    /// Height of the walls between facets, root mean square, mm. A sheet has none, and no edges to count as valleys.
+    pub step_rms_mm: f64,
+    /// The same in sides of a facet.
+    pub step_rms_pitch: f64,
+    /// Area of the walls over that of the plate.
+    pub wall_area_ratio: f64,
+    /// Concave edges of facets, pairs across the plate's rim included.
+    pub valleys: Option<usize>,
+    /// Those inside the plate.
+    pub inner_valleys: Option<usize>,
+    /// CPU seconds by stage, and in total.
+    pub seconds: Named,
+    /// Of a sheet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub continuous: Option<SheetFacts>,
+}
+
+/// How a plate is to be mounted: the direction of its normal, degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Mount {
+    /// From the drawing's normal; 0 if it is mounted flat.
+    #[serde(rename = "mount_theta_deg")]
+    pub theta: f64,
+    /// Azimuth.
+    #[serde(rename = "mount_phi_deg")]
+    pub phi: f64,
+}
+
+impl Mount {
+    /// What a design's `report.json` says; `None` if it is none of a design, or of a version that said nothing.
+    pub fn read(report: &str) -> Result<Option<Self>, serde_json::Error> {
+        #[derive(Deserialize)]
+        struct Report {
+            design: Option<Plate>,
+        }
+        #[derive(Deserialize)]
+        struct Plate {
+            mount_theta_deg: Option<f64>,
+            mount_phi_deg: Option<f64>,
+        }
+        let plate = serde_json::from_str::<Report>(report)?.design;
+        let angles = plate.and_then(|plate| Some((plate.mount_theta_deg?, plate.mount_phi_deg)));
+        // One angle without the other is no mounting: NaN, which no range holds.
+        Ok(angles.map(|(theta, phi)| Self { theta, phi: phi.unwrap_or(f64::NAN) }))
+    }
+}
+
+/// A sheet.
+#[derive(Clone, Debug, Serialize)]
+pub struct SheetFacts {
+    /// Nodes along a side of a cell.
+    pub grid: usize,
+    /// Cells along x and y.
+    pub cells: [usize; 2],
+    /// Sides of a cell, mm.
+    pub cell_mm: [f64; 2],
+    /// What it is shaped for.
+    pub cutter: Option<Cutter>,
+    /// The relief that the design began from.
+    pub start: Start,
+    /// Misplaced light as the design sees it, after each step.
+    pub misplaced_by_stage: Vec<f64>,
+    /// Share of the plate that fillets fill.
+    pub fillet_share: f64,
+    /// Light that no relief keeps from straying, with that cutter.
+    pub least_stray: Option<StrayFacts>,
+    /// The most that a cell rises about its mean plane, mm.
+    pub depth_mm: f64,
+    /// If the design was told to finish early.
+    pub stopped_early: Option<StoppedEarly>,
+}
+
+/// Light that no relief keeps from straying.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StrayFacts {
+    /// Share of the light, at least.
+    pub share: f64,
+    /// The gap of the drawing that it falls into, degrees of slope from the mean.
+    pub gap_deg: [f64; 2],
+    /// Cells along x and y to one period of the lines that show it.
+    pub along_cells: [i32; 2],
+}
+
+/// How far a design had come that was told to finish early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct StoppedEarly {
+    /// Steps that were done.
+    pub steps_done: usize,
+    /// All steps.
+    pub steps: usize,
+}
+
+/// The plate's file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StlFacts {
+    /// Unit of its lengths.
+    pub units: &'static str,
+    /// Triangles.
+    pub triangles: usize,
+    /// Size, bytes.
+    pub bytes: u64,
+    /// Height of the base, mm.
+    pub z_base_mm: f64,
+    /// Lowest point of the relief, mm.
+    pub z_low_mm: f64,
+    /// Highest point of the relief, mm.
+    pub z_high_mm: f64,
+}
+
+/// Misplaced light in windows of a sheet, at a blur of 1°.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct WindowFacts {
+    /// Windows of one cell.
+    pub one_cell: MisplacedFacts,
+    /// Windows of half a cell along each side.
+    pub half_cell: MisplacedFacts,
+}
+
+/// Misplaced light in windows of one size.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MisplacedFacts {
+    /// Over all windows.
+    pub mean: f64,
+    /// In the worst window.
+    pub largest: f64,
+}
+
+/// What diffraction does to a sheet's light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DiffractionFacts {
+    /// The smallest patch on which the light depends, mm.
+    pub smallest_patch_mm: Option<f64>,
+    /// By how much diffraction spreads its light, degrees.
+    pub its_blur_deg: Option<f64>,
+    /// Share of the light from patches that it spreads by more than a degree.
+    pub share_beyond_1deg: f64,
+}
+
+/// Light over the plate as its cutter leaves it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MilledFacts {
+    /// Its figures.
+    #[serde(flatten)]
+    pub scores: Scores,
+    /// The most that the cutter stays above the written surface, µm.
+    pub left_by_cutter_um: f64,
+}
+
+/// A sheet beside facets of the same recipe.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BesideFacets {
+    /// Facets along x and y.
+    pub facets: [usize; 2],
+    /// Whether both were judged as their cutter leaves them.
+    pub as_milled: bool,
+    /// Misplaced light of either.
+    pub tv_incident_1deg: OfEither,
+    /// Structural similarity of either.
+    pub ssim_1deg: OfEither,
+}
+
+/// A figure of facets and of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OfEither {
+    /// Of the facets.
+    pub flat: f64,
+    /// Of the sheet.
+    pub continuous: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mounting_is_read_as_it_is_written() {
+        let mount = Mount { theta: 2.5, phi: 108.25 };
+        let text = super::super::text(&serde_json::json!({ "program": "x", "design": mount }));
+        assert_eq!(Mount::read(&text).unwrap(), Some(mount));
+        for (silent, what) in
+            [("{}", "of a measurement"), (r#"{"design": {}}"#, "old"), (r#"{"design": null}"#, "empty")]
+        {
+            assert_eq!(Mount::read(silent).unwrap(), None, "{what}");
+        }
+        assert!(Mount::read(r#"{"design": {"mount_theta_deg": 3}}"#).unwrap().unwrap().phi.is_nan());
+        for broken in ["", "[1]", r#"{"design": {"mount_theta_deg": "x", "mount_phi_deg": 1}}"#] {
+            assert!(Mount::read(broken).is_err(), "{broken}");
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What is said of a plate: every report as a type, with the keys that its JSON has.
+//!
+//! `report.json` and `--json` are these types as serde writes them, and the tables that a person sees are made from them.
+//! Keys are only ever added. `None` is written as null, unless the key came later or belongs to one kind of plate: then
+//! it is left out.
+
+pub mod scores;
+
+pub mod design;
+
+pub mod estimate;
+
+pub mod measure;
+
+pub mod verify;
+
+use serde::{Serialize, Serializer};
+
+use crate::picture::Picture;
+
+/// The program and its version, as every report begins.
+pub const PROGRAM: &str = concat!("facetmill ", env!("CARGO_PKG_VERSION"));
+
+/// A report as the text of `report.json`: indented, with a line end.
+pub fn text(report: &impl Serialize) -> String {
+    // Only a map whose keys are no text can fail, and no report has one.
+    let value = serde_json::to_value(report).unwrap_or_default();
+    format!("{value:#}\n")
+}
+
+/// The picture that a highlight was drawn in.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PictureFacts {
+    /// Its file, as it was named.
+    pub file: Option<String>,
+    /// Columns, before it was fitted to a square.
+    pub width: usize,
+    /// Rows, before it was fitted to a square.
+    pub height: usize,
+    /// What a person should know of how it was read.
+    pub notes: Vec<String>,
+}
+
+impl PictureFacts {
+    /// Of a picture that was read from `file`.
+    pub fn new(picture: &Picture, file: Option<String>) -> Self {
+        let (width, height) = picture.original_size;
+        Self { file, width, height, notes: picture.notes.clone() }
+    }
+}
+
+/// A mesh that was read.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshFacts {
+    /// Its file.
+    pub file: String,
+    /// Unit of its lengths.
+    pub units: &'static str,
+    /// Triangles.
+    pub triangles: usize,
+    /// Those without area.
+    pub degenerate_triangles: usize,
+    /// Edges without a partner.
+    pub open_edges: usize,
+    /// The box around it, mm.
+    pub size_mm: [f64; 3],
+    /// From the lowest to the highest point of the relief, mm.
+    pub relief_height_mm: f64,
+    /// What the relief was found to be.
+    pub traced_as: &'static str,
+}
+
+/// Numbers under names, in an order of their own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Named(pub Vec<(String, f64)>);
+
+impl Named {
+    /// The number of that name.
+    pub fn get(&self, name: &str) -> Option<f64> {
+        self.0.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+    }
+}
+
+impl<N: ToString> FromIterator<(N, f64)> for Named {
+    fn from_iter<I: IntoIterator<Item = (N, f64)>>(pairs: I) -> Self {
+        Self(pairs.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
+    }
+}
+
+impl Serialize for Named {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}

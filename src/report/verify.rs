@@ -1,0 +1,33 @@
+//! The report of a verification.
+
+use serde::Serialize;
+
+use super::scores::Scores;
+use super::{MeshFacts, PictureFacts};
+use crate::brdf::material::Material;
+use crate::recipe::{HighlightSettings, LightSettings};
+
+/// Light over any mesh, scored against a picture.
+#[derive(Clone, Debug, Serialize)]
+pub struct VerifyReport {
+    /// The program and its version.
+    pub program: &'static str,
+    /// The mesh.
+    pub plate: MeshFacts,
+    /// The drawing.
+    pub picture: PictureFacts,
+    /// How the drawing is laid out.
+    pub highlight: HighlightSettings,
+    /// The lamp.
+    pub light: LightSettings,
+    /// Scatter of the metal, degrees.
+    pub lobe_deg: f64,
+    /// The metal as a material.
+    pub metal: Material,
+    /// Rim that is no optical area, mm.
+    pub margin_mm: f64,
+    /// The figures.
+    pub measured: Scores,
+    /// What a person should know; empty if nothing is off.
+    pub advice: Vec<String>,
+}
