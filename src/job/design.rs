@@ -316,6 +316,7 @@ pub enum DesignError {
 impl From<SculptError> for DesignError {
     fn from(error: SculptError) -> Self {
         match error {
+            SculptError::Cutter(cutter) => RecipeError::from(cutter).into(),
             SculptError::TooNarrow(narrow) => narrow.into(),
             SculptError::Cancelled(cancelled) => cancelled.into(),
         }

@@ -3,6 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
 use crate::progress::{Cancelled, Progress, SheetSoFar};
@@ -83,6 +84,7 @@ pub fn sculpt(
     on_step: &mut dyn FnMut(&Checkpoint),
     progress: &Progress,
 ) -> Result<Sheet, SculptError> {
+    sculpting.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
     let work = Work::new(distribution, sculpting, progress).ok_or(TooNarrow)?;
     let steps = plan(sculpting);
     let whole: f64 = steps.iter().map(|step| step.cost()).sum();
@@ -304,9 +306,12 @@ impl<'a> Work<'a> {
 }
 
 /// Why no sheet came about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SculptError {
+    /// The design has no model of the cutter.
+    #[error(transparent)]
+    Cutter(#[from] UnmodelledCutter),
     /// The slopes have no extent.
     #[error(transparent)]
     TooNarrow(#[from] TooNarrow),
