@@ -12,6 +12,7 @@ mod toolchain;
 const OPEN: &[&str] = &[
     "args refers to measure::args",
     "job::report refers to job::product",
+    "job::product refers to job::exports",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
