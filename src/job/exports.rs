@@ -197,7 +197,8 @@ mod tests {
             assert!(table.contains(&format!("`{name}`")), "README's table of files lacks {name}");
         }
         // The example has a cutter and is proved: it writes all there is.
-        (names.sort_unstable(), expected.sort_unstable());
+        names.sort_unstable();
+        expected.sort_unstable();
         assert_eq!(names, expected, "the files that .ci/run looks for in its example");
     }
 }

@@ -57,7 +57,7 @@ impl Product {
     }
 
     /// What the relief is made of, in words.
-    pub(super) fn made_of(&self) -> String {
+    pub fn made_of(&self) -> String {
         made_of(&self.recipe, self.design.sheet.as_ref().map(|sheet| sheet.relief.cells))
     }
 
