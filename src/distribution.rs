@@ -117,6 +117,7 @@ const LEVEL_ROUNDS: usize = 20;
 
 /// Why no distribution could be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DistributionError {
     /// Nothing is left under the slope cap.
     #[error(

@@ -130,8 +130,8 @@ impl CutSheet {
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
         let change = change(&self.relief, setup);
         let changed = |heights: &[f32]| if progress.is_abandoned() { 1.0 } else { change(heights) };
-        let detail = smallest_detail(&self.relief, &changed);
-        let diffracted = diffracted(&self.relief, 1.0, &changed);
+        let detail = smallest_detail(&self.relief, changed);
+        let diffracted = diffracted(&self.relief, 1.0, changed);
         progress.check()?;
         let blur = recipe.blur(setup);
         let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed);

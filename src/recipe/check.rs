@@ -79,6 +79,7 @@ impl Recipe {
 
 /// Why a recipe cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecipeError {
     /// Not TOML, or not of this program: what, and on which line.
     #[error("line {1} makes no sense: {0}")]

@@ -359,6 +359,7 @@ fn unit(direction: DVec3) -> Option<DVec3> {
 
 /// Why a mesh cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshSurfaceError {
     /// No triangles at all.
     #[error("the mesh has no triangles")]

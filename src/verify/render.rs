@@ -264,6 +264,7 @@ impl<S: Surface> PixelTracer<'_, S> {
 
 /// Why there is nothing to be seen.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RenderError {
     /// A length out of range.
     #[error("the {what} must be {low} to {high} mm, not {value}", low = ViewSettings::LENGTH.start(), high = ViewSettings::LENGTH.end())]

@@ -104,7 +104,7 @@ impl WallSettings {
         let wall = Wall::new(self, experiment);
         if let Lamp::Ball { .. } = experiment.lamp {
             // How near it may be depends on its direction and size: see below.
-            if !(lamp_distance <= Self::LENGTH.end() * (1.0 + 1e-9)) {
+            if lamp_distance.is_nan() || lamp_distance > Self::LENGTH.end() * (1.0 + 1e-9) {
                 return Err(WallError::Length { what: "distance of the lamp", value: lamp_distance });
             }
             if !experiment.lamp_is_above() {
@@ -278,6 +278,7 @@ pub fn wall_image<S: Surface>(
 
 /// Why there is no picture of a wall.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum WallError {
     /// A length out of range.
     #[error("the {what} must be {low} to {high} mm, not {value}", low = WallSettings::LENGTH.start(), high = WallSettings::LENGTH.end())]

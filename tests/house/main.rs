@@ -11,16 +11,12 @@ mod toolchain;
 /// What is still to be mended: beginnings of offences that the rules let pass.
 const OPEN: &[&str] = &[
     "job::report refers to job::product",
-    "picture::decode refers to picture::",
-    "verify::first_bounce refers to verify::measure",
+    "job::product refers to job::exports",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
-    "src/export/bsdf.rs",
-    "src/export/stl.rs",
     "src/job/",
     "src/sculpt/",
-    "src/verify/measure.rs",
 ];
 
 /// Fails with all offences but those that are known to be open.

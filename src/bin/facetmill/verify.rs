@@ -1,6 +1,7 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
@@ -18,9 +19,6 @@ use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
 use crate::interrupt::Run;
 use crate::{plates, tables};
-
-/// Every file that a verification may write.
-const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
@@ -40,7 +38,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);

@@ -8,6 +8,7 @@ mod render;
 mod wall;
 
 use facetmill::brdf::material::Material;
+use facetmill::job::exports;
 use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
@@ -26,28 +27,6 @@ use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
-
-/// Every file that any measurement may write.
-const FILES: &[&str] = &[
-    "highlight.png",
-    "highlight.tiff",
-    "highlight_error.tiff",
-    "brdf.bsdf",
-    "brdf.binary",
-    "brdf.csv",
-    "slices.png",
-    "maps.png",
-    "ndf.png",
-    "ndf.csv",
-    "masking.csv",
-    "wall.png",
-    "wall.tiff",
-    "wall_error.tiff",
-    "look.png",
-    "look.tiff",
-    "look_error.tiff",
-    "report.json",
-];
 
 /// All that every measurement needs, read and checked.
 struct Bench {
@@ -93,7 +72,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
