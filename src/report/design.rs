@@ -1,6 +1,7 @@
 //! The report of a design.
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use super::scores::Scores;
 use super::{Named, PictureFacts};
@@ -152,17 +153,15 @@ pub struct Mount {
 impl Mount {
     /// What a design's `report.json` says; `None` if it is none of a design, or of a version that said nothing.
     pub fn read(report: &str) -> Result<Option<Self>, serde_json::Error> {
+        // A map, since a derived struct would take a list for its fields in order.
         #[derive(Deserialize)]
         struct Report {
-            design: Option<Plate>,
+            design: Option<serde_json::Map<String, Value>>,
         }
-        #[derive(Deserialize)]
-        struct Plate {
-            mount_theta_deg: Option<f64>,
-            mount_phi_deg: Option<f64>,
-        }
-        let plate = serde_json::from_str::<Report>(report)?.design;
-        let angles = plate.and_then(|plate| Some((plate.mount_theta_deg?, plate.mount_phi_deg)));
+        let Some(plate) = serde_json::from_str::<Report>(report)?.design else { return Ok(None) };
+        let angle = |key: &str| plate.get(key).cloned().map(serde_json::from_value::<Option<f64>>).transpose();
+        let (theta, phi) = (angle("mount_theta_deg")?.flatten(), angle("mount_phi_deg")?.flatten());
+        let angles = theta.map(|theta| (theta, phi));
         // One angle without the other is no mounting: NaN, which no range holds.
         Ok(angles.map(|(theta, phi)| Self { theta, phi: phi.unwrap_or(f64::NAN) }))
     }
@@ -306,7 +305,9 @@ mod tests {
             assert_eq!(Mount::read(silent).unwrap(), None, "{what}");
         }
         assert!(Mount::read(r#"{"design": {"mount_theta_deg": 3}}"#).unwrap().unwrap().phi.is_nan());
-        for broken in ["", "[1]", r#"{"design": {"mount_theta_deg": "x", "mount_phi_deg": 1}}"#] {
+        for broken in
+            ["", "[1]", r#"{"design": [1, 2]}"#, r#"{"design": {"mount_theta_deg": "x", "mount_phi_deg": 1}}"#]
+        {
             assert!(Mount::read(broken).is_err(), "{broken}");
         }
     }
