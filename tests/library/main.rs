@@ -6,6 +6,7 @@ mod plates;
 mod closed_forms;
 mod closed_solids;
 mod conservation;
+mod fence;
 mod hostile_pictures;
 mod hostile_rays;
 mod jobs;
