@@ -10,5 +10,6 @@ mod fence;
 mod hostile_pictures;
 mod hostile_rays;
 mod jobs;
+mod mutants;
 mod recognition;
 mod sharpening;
