@@ -1,6 +1,6 @@
 //! `facetmill design`: a picture becomes a plate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
@@ -14,14 +14,16 @@ use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::{OutputError, Staged};
+use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
 use crate::{inputs, tables};
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
+    inputs::settle(&args.recipe.as_deref().into_iter().collect::<Vec<_>>())?;
     let (recipe, path) = recipe(args)?;
+    inputs::settle(&[&path])?;
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
         let picture = picture::read(&path, &recipe.reading())?;
         let stray = unavoidable_light(&recipe, &picture.light)?;
@@ -35,8 +37,10 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         return Ok(());
     };
     // Before any work: a folder that cannot be written should not cost a minute.
-    let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
-    let mut staged = Staged::new(folder, may_replace, FILES, &run.gate)?;
+    let inputs: Vec<&Path> = [Some(path.as_path()), args.recipe.as_deref()].into_iter().flatten().collect();
+    let inner: &[_] = if args.snapshots || args.resume { &[snapshots::FOLDER] } else { &[] };
+    let place = Place { inner, goes_on: args.resume, ..Place::new(folder, args.running.force, FILES, &inputs) };
+    let mut staged = Staged::new(&place, &run.gate)?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }

@@ -7,9 +7,15 @@ use std::path::Path;
 use facetmill::recipe::Recipe;
 
 use crate::console::Failure;
+use crate::files;
 
 /// Largest recipe read, bytes.
 const LARGEST_RECIPE: u64 = 1 << 20;
+
+/// Puts right what a killed run left half-way in the folders that `inputs` are, or lie in.
+pub fn settle(inputs: &[&Path]) -> Result<(), Failure> {
+    files::settle(inputs).map_err(|error| Failure::Input(error.to_string()))
+}
 
 /// Opens a regular file.
 pub fn open(path: &Path) -> Result<File, Failure> {

@@ -14,9 +14,9 @@ use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::Staged;
+use crate::files::{Place, Staged};
 use crate::interrupt::Run;
-use crate::{plates, tables};
+use crate::{inputs, plates, tables};
 
 /// Every file that a verification may write.
 const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
@@ -41,7 +41,10 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let inputs = [args.plate.as_path(), &args.against];
+    inputs::settle(&inputs)?;
+    plates::spare_design(&args.plate, &args.output)?;
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, FILES, &inputs), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);

@@ -8,6 +8,8 @@ mod ndf;
 mod render;
 mod wall;
 
+use std::path::Path;
+
 use facetmill::brdf::material::Material;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
@@ -21,7 +23,8 @@ use facetmill::verify::lamp::Lamp;
 use facetmill::verify::measure::{Experiment, Measuring};
 
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::Staged;
+use crate::files::{Place, Staged};
+use crate::inputs;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
@@ -83,6 +86,8 @@ struct Outcome {
 /// Does what `args` say.
 pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
+    let read: Vec<&Path> = [Some(args.plate.as_path()), args.lamp.as_deref()].into_iter().flatten().collect();
+    inputs::settle(&read)?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
     let measuring = measuring(args, &recipe);
@@ -94,7 +99,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let read = [&read[..], &[named.stl.as_path()]].concat();
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, FILES, &read), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
