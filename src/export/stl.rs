@@ -130,6 +130,7 @@ fn gather(file: &mut (impl Read + Seek), triangles: &mut MergedTriangles) -> Res
 
 /// Why a file is not read as STL.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StlError {
     /// The file could not be read.
     #[error("the STL file cannot be read: {0}")]

@@ -2,7 +2,7 @@
 
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::report::mean_slope_costs;
+use crate::distribution::SlopeDistribution;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::sharpen::SCORED_AT;
 use crate::verify::verdict::Verdict;
@@ -15,6 +15,12 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
         .chain(verdict.into_iter().flat_map(of_proof))
         .flatten()
         .collect()
+}
+
+/// Height that the mean slope alone costs from corner to corner, mm.
+pub(super) fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
+    let [x, y] = recipe.plate.size;
+    distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
 }
 
 fn percent(share: f64) -> String {

@@ -7,7 +7,8 @@ use crate::raster::Raster;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::Task;
-use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
 use crate::verify::score::blurred_scores;
 use crate::verify::verdict::MAIN_BLUR;
 

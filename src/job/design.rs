@@ -263,6 +263,7 @@ fn shrunk(light: &Raster) -> Raster {
 
 /// Why no plate came of a recipe.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DesignError {
     /// The recipe itself.
     #[error(transparent)]
@@ -315,6 +316,7 @@ pub enum DesignError {
 impl From<SculptError> for DesignError {
     fn from(error: SculptError) -> Self {
         match error {
+            SculptError::Cutter(cutter) => RecipeError::from(cutter).into(),
             SculptError::TooNarrow(narrow) => narrow.into(),
             SculptError::Cancelled(cancelled) => cancelled.into(),
         }

@@ -109,6 +109,7 @@ fn within(setting: &'static str, value: f64, low: f64, high: f64) -> Result<(), 
 
 /// Why a recipe cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecipeError {
     /// Not TOML, or not of this program: what, and on which line.
     #[error("line {1} makes no sense: {0}")]

@@ -1,11 +1,11 @@
 //! `facetmill design`: a picture becomes a plate.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{FILES, Job, Outcome, Product};
+use facetmill::job::{Job, Outcome, Product, exports};
 use facetmill::picture;
 use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
@@ -21,9 +21,9 @@ use crate::{inputs, tables};
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
-    inputs::settle(&args.recipe.as_deref().into_iter().collect::<Vec<_>>())?;
+    inputs::given([args.recipe.as_deref(), None])?;
     let (recipe, path) = recipe(args)?;
-    inputs::settle(&[&path])?;
+    let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
         let picture = picture::read(&path, &recipe.reading())?;
         let stray = unavoidable_light(&recipe, &picture.light)?;
@@ -37,9 +37,9 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         return Ok(());
     };
     // Before any work: a folder that cannot be written should not cost a minute.
-    let inputs: Vec<&Path> = [Some(path.as_path()), args.recipe.as_deref()].into_iter().flatten().collect();
     let inner: &[_] = if args.snapshots || args.resume { &[snapshots::FOLDER] } else { &[] };
-    let place = Place { inner, goes_on: args.resume, ..Place::new(folder, args.running.force, FILES, &inputs) };
+    let own = exports::names();
+    let place = Place { inner, goes_on: args.resume, ..Place::new(folder, args.running.force, &own, &read) };
     let mut staged = Staged::new(&place, &run.gate)?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());

@@ -12,9 +12,11 @@ use crate::files;
 /// Largest recipe read, bytes.
 const LARGEST_RECIPE: u64 = 1 << 20;
 
-/// Puts right what a killed run left half-way in the folders that `inputs` are, or lie in.
-pub fn settle(inputs: &[&Path]) -> Result<(), Failure> {
-    files::settle(inputs).map_err(|error| Failure::Input(error.to_string()))
+/// The inputs that were given, once what a killed run left half-way in the folders that they are, or lie in, is put right.
+pub fn given(inputs: [Option<&Path>; 2]) -> Result<Vec<&Path>, Failure> {
+    let given: Vec<&Path> = inputs.into_iter().flatten().collect();
+    files::settle(&given).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok(given)
 }
 
 /// Opens a regular file.

@@ -1,6 +1,7 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
@@ -9,7 +10,8 @@ use facetmill::recipe::Recipe;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
 use facetmill::slope::direction;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
@@ -17,9 +19,6 @@ use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::{inputs, plates, tables};
-
-/// Every file that a verification may write.
-const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
@@ -41,10 +40,9 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             ));
         }
     }
-    let inputs = [args.plate.as_path(), &args.against];
-    inputs::settle(&inputs)?;
+    let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, FILES, &inputs), &run.gate)?;
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);

@@ -56,7 +56,7 @@ pub struct Place<'a> {
     /// they would tell of an earlier run.
     pub force: bool,
     /// Names of all files that the run may write.
-    pub own: &'static [&'static str],
+    pub own: &'a [&'static str],
     /// Names of folders within the folder that the run writes into as it goes.
     pub inner: &'static [&'static str],
     /// The run goes on from what an earlier one left in `inner`: that may be there without `force`.
@@ -67,7 +67,7 @@ pub struct Place<'a> {
 
 impl<'a> Place<'a> {
     /// A place for a run that writes nothing until it is done.
-    pub fn new(folder: &'a Path, force: bool, own: &'static [&'static str], inputs: &'a [&'a Path]) -> Self {
+    pub fn new(folder: &'a Path, force: bool, own: &'a [&'static str], inputs: &'a [&'a Path]) -> Self {
         Self { folder, force, own, inner: &[], goes_on: false, inputs }
     }
 
@@ -124,7 +124,7 @@ pub struct Staged {
     disk: Disk,
     folder: PathBuf,
     force: bool,
-    own: &'static [&'static str],
+    own: Vec<&'static str>,
     inner: &'static [&'static str],
     written: Vec<&'static str>,
 }
@@ -159,7 +159,15 @@ impl Staged {
         check()?;
         *on_disk = OnDisk::Open(claim);
         drop(on_disk);
-        Ok(Self { gate: gate.clone(), disk, folder: folder.to_owned(), force, own, inner, written: Vec::new() })
+        Ok(Self {
+            gate: gate.clone(),
+            disk,
+            folder: folder.to_owned(),
+            force,
+            own: own.to_vec(),
+            inner,
+            written: Vec::new(),
+        })
     }
 
     /// Writes one file; its name is one of our own.

@@ -8,9 +8,9 @@ mod ndf;
 mod render;
 mod wall;
 
-use std::path::Path;
-
 use facetmill::brdf::material::Material;
+use facetmill::job::exports;
+use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
@@ -19,8 +19,7 @@ use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
+use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{Place, Staged};
@@ -30,28 +29,6 @@ use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
 use args::MeasureArgs;
-
-/// Every file that any measurement may write.
-const FILES: &[&str] = &[
-    "highlight.png",
-    "highlight.tiff",
-    "highlight_error.tiff",
-    "brdf.bsdf",
-    "brdf.binary",
-    "brdf.csv",
-    "slices.png",
-    "maps.png",
-    "ndf.png",
-    "ndf.csv",
-    "masking.csv",
-    "wall.png",
-    "wall.tiff",
-    "wall_error.tiff",
-    "look.png",
-    "look.tiff",
-    "look_error.tiff",
-    "report.json",
-];
 
 /// All that every measurement needs, read and checked.
 struct Bench {
@@ -63,15 +40,15 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
-    lamp: Lamp,
+    lamp: Extent,
     measuring: Measuring,
 }
 
 impl Bench {
     /// The plate's surface as it is to be lit.
     fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
-        let (material, lamp) = (self.material.clone(), self.lamp.clone());
-        Experiment { surface, setup: &self.setup, material, lamp }
+        let lamp = self.setup.lamp().with_extent(self.lamp.clone()).into();
+        Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
 
@@ -86,8 +63,7 @@ struct Outcome {
 /// Does what `args` say.
 pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
-    let read: Vec<&Path> = [Some(args.plate.as_path()), args.lamp.as_deref()].into_iter().flatten().collect();
-    inputs::settle(&read)?;
+    let read = inputs::given([Some(&args.plate), args.lamp.as_deref()])?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
     let measuring = measuring(args, &recipe);
@@ -99,8 +75,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let read = [&read[..], &[named.stl.as_path()]].concat();
-    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, FILES, &read), &run.gate)?;
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MEASURE, &read), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
@@ -204,10 +179,10 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Fa
 /// From the middle of a picture-shaped lamp to its rim, degrees.
 const LAMP_HALF_FIELD: f64 = 5.0;
 
-fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
-    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
     let picture = picture::read(path, &Reading::default())?;
-    Lamp::picture(&picture.light, half_field.to_radians())
+    Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }
