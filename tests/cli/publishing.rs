@@ -117,7 +117,7 @@ fn a_program_killed_at_any_call_leaves_its_folder_wholly_old_or_wholly_new() {
             fs::create_dir(&folder).unwrap();
             old.iter().for_each(|(name, bytes)| fs::write(folder.join(name), bytes).unwrap());
             let mut command = std::process::Command::new("strace");
-            command.current_dir(home.path()).args(["-f", "-qq", "-o", "/dev/null", "--seccomp-bpf"]);
+            command.current_dir(home.path()).args(["-f", "-qq", "-o", "/dev/null"]);
             command.args(["-e", &format!("trace={call}"), "-e", &format!("inject={call}:signal=KILL:when={at}")]);
             command.arg(facetmill().get_program()).args(design("d", 2).split(' ')).arg("--force");
             let ended = command.output().unwrap();
