@@ -108,7 +108,7 @@ struct CutSheet {
 impl CutSheet {
     fn of(recipe: &Recipe, sheet: &Sheet, progress: &Progress) -> Self {
         let relief = &sheet.relief;
-        let (cut, left) = match recipe.design.cutter {
+        let (cut, left) = match recipe.design.sheet.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
                 let milled = Tool::new(relief.cell, cutter).mill(relief, progress);
@@ -116,7 +116,7 @@ impl CutSheet {
                 (milled.relief, left)
             }
         };
-        Self { relief: polished(cut, recipe.design.polish), left }
+        Self { relief: polished(cut, recipe.design.sheet.polish), left }
     }
 
     fn looked_at(
@@ -146,8 +146,8 @@ fn send_over_milled(
     made: Option<&CutSheet>,
     mirrored: Mirrored,
 ) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
-    let cutter = recipe.design.cutter;
-    if cutter.is_none() && recipe.design.polish == 0.0 {
+    let cutter = recipe.design.sheet.cutter;
+    if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
     }
     mirrored.progress.stage(Stage::Milling);

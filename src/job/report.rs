@@ -95,7 +95,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
         grid: relief.nodes,
         cells: relief.cells,
         cell_mm: relief.cell.to_array(),
-        cutter: recipe.design.cutter,
+        cutter: recipe.design.sheet.cutter,
         start: sheet.start,
         misplaced_by_stage: sheet.misplaced.clone(),
         fillet_share: sheet.fillets,

@@ -8,7 +8,7 @@ use std::io::{self, BufRead, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{SheetSettings, plan};
+use super::plan::{SheetSpec, plan};
 use super::start::Start;
 
 /// What the first line says the file is.
@@ -43,7 +43,7 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// Whether it comes from the plan of `sculpting`.
-    pub fn suits(&self, sculpting: &SheetSettings) -> bool {
+    pub fn suits(&self, sculpting: &SheetSpec) -> bool {
         let steps = plan(sculpting);
         let last = self.done.checked_sub(1).and_then(|k| steps.get(k));
         last.is_some_and(|step| step.nodes() == self.nodes) && self.heights.len() == self.nodes * self.nodes
@@ -138,6 +138,7 @@ pub enum StateError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sculpt::settings::SheetSettings;
 
     fn checkpoint() -> Checkpoint {
         let heights = (0..16).map(|k| 0.1 * k as f32 - 0.7).collect();
@@ -218,15 +219,12 @@ mod tests {
 
     #[test]
     fn a_state_suits_only_the_plan_it_comes_from() {
-        let sculpting = |grid: usize| SheetSettings {
+        let sculpting = |grid: usize| SheetSpec {
             cell: glam::DVec2::ONE,
             cells: [1, 1],
             grid,
-            cutter: None,
-            polish: 0.0,
-            min_feature: 0.0,
-            max_depth: None,
             seed: 1,
+            settings: SheetSettings::default(),
         };
         let of =
             |done: usize, nodes: usize| Checkpoint { done, nodes, heights: vec![0.0; nodes * nodes], ..checkpoint() };

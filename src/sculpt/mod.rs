@@ -42,6 +42,8 @@
 //! [`checkpoint`] holds the state between two steps. [`bound`] says what no relief can do better, [`detail`] on how small
 //! mirrors the light depends, [`milled_facets`] what a cutter leaves of a plate of facets.
 
+pub mod settings;
+
 pub mod edge_slopes;
 
 pub mod periodic_filter;

@@ -23,30 +23,18 @@ use super::depth_limit::{DepthLimit, excess_depth};
 use super::edge_slopes::{EdgeSlopes, Lattice};
 use super::light_model::LightModel;
 use super::periodic_filter::PeriodicFilter;
+use super::settings::SheetSettings;
 use super::slope_histogram::SlopeHistogram;
 use super::slope_loss::{LossScale, SlopeLoss};
 use super::target::SlopeTarget;
 use super::tool::{Tool, polished};
 
-/// What happens to the written relief before light falls on it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ManufacturingModel {
-    /// The cutter.
-    pub cutter: Option<Cutter>,
-    /// Polish or paint: heights are smoothed by a Gaussian of this standard deviation, mm.
-    pub polish: f64,
-    /// Waves of the heights shorter than about this are damped, mm.
-    pub finest: f64,
-    /// The most that a cell may rise, mm.
-    pub max_depth: Option<f64>,
-    /// Mean slope of the plate.
-    pub tilt: Slope,
-}
-
 /// The loss of reliefs on one lattice, at one scale.
 pub struct Objective {
     lattice: Lattice,
-    manufacturing: ManufacturingModel,
+    settings: SheetSettings,
+    /// Mean slope of the plate.
+    tilt: Slope,
     target: SlopeTarget,
     loss: SlopeLoss,
     light: LightModel,
@@ -64,22 +52,24 @@ pub struct Objective {
 }
 
 impl Objective {
-    /// For reliefs on `lattice` whose light shall be `target`, compared as `scale` says and made as `manufacturing` says.
-    pub fn new(lattice: Lattice, target: SlopeTarget, scale: LossScale, manufacturing: ManufacturingModel) -> Self {
+    /// For reliefs on `lattice` about the mean slope `tilt` whose light shall be `target`, compared as `scale` says and made
+    /// as `settings` say.
+    pub fn new(lattice: Lattice, tilt: Slope, target: SlopeTarget, scale: LossScale, settings: &SheetSettings) -> Self {
+        let cutter = settings.cutter;
+        let finest = settings.min_feature.unwrap_or(0.0);
         let filter = PeriodicFilter::new(lattice.n);
-        let conditioner = filter.gains(|i, j| conditioner(lattice, i, j, manufacturing.finest));
-        let polish = (manufacturing.polish > 0.0).then(|| filter.gaussian(lattice, manufacturing.polish));
-        let concave =
-            manufacturing.cutter.map(|cutter| ConcaveEdges::new(lattice, cutter, sharpest_jump(lattice, cutter)));
-        let lower =
-            manufacturing.cutter.filter(|_| scale.is_fine()).map_or(0.0, |cutter| lower_diagonals(lattice, cutter));
+        let conditioner = filter.gains(|i, j| conditioner(lattice, i, j, finest));
+        let polish = settings.polish.map(|sigma| filter.gaussian(lattice, sigma));
+        let concave = cutter.map(|cutter| ConcaveEdges::new(lattice, cutter, sharpest_jump(lattice, cutter)));
+        let lower = cutter.filter(|_| scale.is_fine()).map_or(0.0, |cutter| lower_diagonals(lattice, cutter));
         Self {
             lattice,
-            manufacturing,
+            settings: *settings,
+            tilt,
             loss: SlopeLoss::new(&target, scale),
             light: LightModel::new(lattice, SlopeHistogram::new(&target), lower, concave),
             target,
-            closing: manufacturing.cutter.map(|cutter| Closing::new(lattice, cutter)),
+            closing: cutter.map(|cutter| Closing::new(lattice, cutter)),
             filter,
             conditioner,
             polish,
@@ -107,21 +97,21 @@ impl Objective {
         let edges = self.edges(z);
         let (loss, penalty) = (self.compare(&edges).0, self.light.penalty(&edges));
         self.valley_weight = if penalty > 0.0 { valley_share * loss / penalty } else { 0.0 };
-        self.depth_limit = self.manufacturing.max_depth.map(|most| DepthLimit::new(z, most, loss));
+        self.depth_limit = self.settings.max_depth.map(|most| DepthLimit::new(z, most, loss));
     }
 
     /// How much deeper than allowed heights `z` are, as a share of what is allowed.
     pub fn excess_depth(&self, z: &[f32]) -> f64 {
-        self.manufacturing.max_depth.map_or(0.0, |most| excess_depth(z, most))
+        self.settings.max_depth.map_or(0.0, |most| excess_depth(z, most))
     }
 
     /// Mills heights `z` on the tool's grid: from now on, the light of that surface less the light of the model is added
     /// to the light of any relief. Its gradient is that of the model alone.
     pub fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
-        let Some(cutter) = self.manufacturing.cutter else { return };
-        let relief = relief(self.lattice, z, self.manufacturing.tilt);
+        let Some(cutter) = self.settings.cutter else { return };
+        let relief = relief(self.lattice, z, self.tilt);
         let milled = Tool::new(relief.cell, cutter).mill(&relief, progress).relief;
-        let milled = polished(milled, self.manufacturing.polish);
+        let milled = polished(milled, self.settings.polish);
         let fine = Lattice::of(&milled);
         // Milled heights are known at the tool's places only, and a square of them may be cut along either diagonal.
         let light = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None);

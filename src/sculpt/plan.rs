@@ -4,27 +4,22 @@ use glam::DVec2;
 
 use crate::cutter::Cutter;
 
+use super::settings::SheetSettings;
 use super::slope_loss::LossScale;
 
-/// What a sheet shall be.
+/// What a sheet shall be: its cells and nodes, and what it was told.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheetSettings {
+pub struct SheetSpec {
     /// Size of a cell, mm.
     pub cell: DVec2,
     /// Cells along x and y.
     pub cells: [usize; 2],
     /// Nodes along each side of a cell, an even number.
     pub grid: usize,
-    /// The cutter that the relief is for.
-    pub cutter: Option<Cutter>,
-    /// Polish or paint after the cutter: a Gaussian over the heights of this standard deviation, mm.
-    pub polish: f64,
-    /// Waves shorter than this are damped, mm; 0 damps none.
-    pub min_feature: f64,
-    /// The most that a cell may rise from its lowest to its highest point about its mean plane, mm.
-    pub max_depth: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
+    /// What it was told.
+    pub settings: SheetSettings,
 }
 
 /// Nodes a side of the first tries, at the most: all starts together then cost less than the
@@ -69,8 +64,8 @@ pub const TRIAL_ROUNDS: usize = 15;
 
 /// The descent after them. A logo of sixteen pieces needed 80 steps to tell which start is best; with a cutter a step costs
 /// twice as much, and 30 do.
-pub fn trial_descent(sculpting: &SheetSettings) -> Stage {
-    stage(0.5, 0.75, if sculpting.cutter.is_some() { 30 } else { 80 }, 1.0)
+pub fn trial_descent(sculpting: &SheetSpec) -> Stage {
+    stage(0.5, 0.75, if sculpting.settings.cutter.is_some() { 30 } else { 80 }, 1.0)
 }
 
 /// Rounds of matching on the middle grid: the trials of the method used 50 to 75, and more did not change what the descent
@@ -138,12 +133,12 @@ impl Step {
 }
 
 /// The steps to a relief of `sculpting`, in order.
-pub fn plan(sculpting: &SheetSettings) -> Vec<Step> {
+pub fn plan(sculpting: &SheetSpec) -> Vec<Step> {
     let mut nodes = halved(sculpting.grid, MIDDLE);
     let mut steps = vec![Step::Tries { nodes: halved(nodes, COARSE) }];
     // Without a cutter a descent alone ends as well, and better for logos of many pieces (0.0075 and 0.0079 in total
     // variation at 0.5° for one of sixteen).
-    if sculpting.cutter.is_some() {
+    if sculpting.settings.cutter.is_some() {
         steps.push(Step::Matching { nodes, rounds: ROUNDS });
     }
     steps.extend(DESCENT.map(|stage| Step::Descent { nodes, stage }));
@@ -185,9 +180,9 @@ pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, mos
 mod tests {
     use super::*;
 
-    fn sheet(grid: usize, cutter: Option<Cutter>) -> SheetSettings {
+    fn sheet(grid: usize, cutter: Option<Cutter>) -> SheetSpec {
         let cell = DVec2::splat(10.0);
-        SheetSettings { cell, cells: [3, 3], grid, cutter, polish: 0.0, min_feature: 0.0, max_depth: None, seed: 1 }
+        SheetSpec { cell, cells: [3, 3], grid, seed: 1, settings: SheetSettings { cutter, ..SheetSettings::default() } }
     }
 
     /// A step in a few letters: what it is, nodes, rounds or steps.

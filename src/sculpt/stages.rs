@@ -8,15 +8,16 @@ use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
 use crate::progress::{Cancelled, Progress, SheetSoFar};
 use crate::relief::periodic::PeriodicRelief;
+use crate::slope::Slope;
 
 use super::bound::{Unavoidable, unavoidable};
 use super::checkpoint::Checkpoint;
 use super::closing::Closing;
 use super::edge_slopes::Lattice;
 use super::matching::Matching;
-use super::objective::{CLEARANCE, ManufacturingModel, Objective, relief};
+use super::objective::{CLEARANCE, Objective, relief};
 use super::plan::{
-    DESCENT_FIRST_MOVE, MEMORY, SheetSettings, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
+    DESCENT_FIRST_MOVE, MEMORY, SheetSpec, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
 };
 use super::resample::sampled;
 use super::slope_loss::LossScale;
@@ -45,9 +46,9 @@ const UNEVENNESS: f64 = 0.004;
 
 /// The light that no relief cut as `sculpting` says can send where it is wanted; `None` without a cutter, or if the
 /// distribution's image is too narrow to be laid out.
-pub fn least_stray(distribution: &SlopeDistribution, sculpting: &SheetSettings) -> Option<Unavoidable> {
+pub fn least_stray(distribution: &SlopeDistribution, sculpting: &SheetSpec) -> Option<Unavoidable> {
     const SAMPLES: usize = 1 << 16;
-    let cutter = sculpting.cutter?;
+    let cutter = sculpting.settings.cutter?;
     Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, cutter))
 }
 
@@ -79,12 +80,12 @@ impl Sheet {
 /// ends with the best relief so far, be it the first one tried.
 pub fn sculpt(
     distribution: &SlopeDistribution,
-    sculpting: &SheetSettings,
+    sculpting: &SheetSpec,
     from: Option<Checkpoint>,
     on_step: &mut dyn FnMut(&Checkpoint),
     progress: &Progress,
 ) -> Result<Sheet, SculptError> {
-    sculpting.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
+    sculpting.settings.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
     let work = Work::new(distribution, sculpting, progress).ok_or(TooNarrow)?;
     let steps = plan(sculpting);
     let whole: f64 = steps.iter().map(|step| step.cost()).sum();
@@ -137,23 +138,17 @@ impl Share {
 
 /// What all steps share.
 struct Work<'a> {
-    sculpting: &'a SheetSettings,
+    sculpting: &'a SheetSpec,
     plane: SlopePlane,
-    manufacturing: ManufacturingModel,
+    /// Mean slope of the plate.
+    tilt: Slope,
     progress: &'a Progress<'a>,
 }
 
 impl<'a> Work<'a> {
-    fn new(distribution: &SlopeDistribution, sculpting: &'a SheetSettings, progress: &'a Progress<'a>) -> Option<Self> {
+    fn new(distribution: &SlopeDistribution, sculpting: &'a SheetSpec, progress: &'a Progress<'a>) -> Option<Self> {
         let plane = SlopePlane::new(distribution, 0.1)?;
-        let manufacturing = ManufacturingModel {
-            cutter: sculpting.cutter,
-            polish: sculpting.polish,
-            finest: sculpting.min_feature,
-            max_depth: sculpting.max_depth,
-            tilt: distribution.mean,
-        };
-        Some(Self { sculpting, plane, manufacturing, progress })
+        Some(Self { sculpting, plane, tilt: distribution.mean, progress })
     }
 
     fn lattice(&self, n: usize) -> Lattice {
@@ -183,7 +178,7 @@ impl<'a> Work<'a> {
         if at.nodes == nodes {
             return at.heights.clone();
         }
-        let mut z = sampled(&relief(self.lattice(at.nodes), &at.heights, self.manufacturing.tilt), nodes);
+        let mut z = sampled(&relief(self.lattice(at.nodes), &at.heights, self.tilt), nodes);
         let range = UNEVENNESS * self.lattice(nodes).step.min_element();
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.sculpting.seed ^ nodes as u64);
         z.iter_mut().for_each(|z| *z += (range * (rng.random::<f64>() - 0.5)) as f32);
@@ -194,7 +189,8 @@ impl<'a> Work<'a> {
     fn tried(&self, nodes: usize, share: Share) -> Option<Checkpoint> {
         let lattice = self.lattice(nodes);
         let mut best: Option<(f64, Checkpoint)> = None;
-        let starts = Start::suitable(self.sculpting.cutter.is_some(), self.sculpting.max_depth.is_some());
+        let settings = &self.sculpting.settings;
+        let starts = Start::suitable(settings.cutter.is_some(), settings.max_depth.is_some());
         for (k, &start) in starts.iter().enumerate() {
             let share = share.part(k, starts.len());
             let mut z = start.heights(lattice, self.plane.spread(), self.sculpting.seed);
@@ -222,7 +218,7 @@ impl<'a> Work<'a> {
     fn objective(&self, lattice: Lattice, scale: LossScale) -> Objective {
         // Two bins to a blur: what is finer than a bin is then damped to e^-5 or less, and no more bins are needed.
         let bin = (0.5 * scale.blur).max(FINEST_BIN);
-        Objective::new(lattice, self.plane.target(bin), scale, self.manufacturing)
+        Objective::new(lattice, self.tilt, self.plane.target(bin), scale, &self.sculpting.settings)
     }
 
     fn descend(&self, lattice: Lattice, z: Vec<f32>, stage: &Stage, share: Share) -> Vec<f32> {
@@ -230,7 +226,7 @@ impl<'a> Work<'a> {
         objective.set_penalties(&z, stage.concave);
         let mut y = objective.unknowns(&z);
         let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
-        let with_tool = stage.scale.is_fine() && self.sculpting.cutter.is_some();
+        let with_tool = stage.scale.is_fine() && self.sculpting.settings.cutter.is_some();
         let parts = if with_tool { stage.steps.div_ceil(STEPS_PER_RESIDUAL) } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / parts, memory: MEMORY, tolerance: TOLERANCE, first_move };
@@ -264,7 +260,7 @@ impl<'a> Work<'a> {
 
     fn match_slopes(&self, lattice: Lattice, z: &mut Vec<f32>, rounds: usize, share: Share) {
         let matching = Matching::new(lattice, &self.plane.samples(lattice.n * lattice.n));
-        let closing = self.sculpting.cutter.map(|cutter| Closing::new(lattice, cutter));
+        let closing = self.sculpting.settings.cutter.map(|cutter| Closing::new(lattice, cutter));
         matching.run(z, closing.as_ref(), rounds, self.sculpting.seed, self.progress);
         self.progress.fraction(share.from + share.whole);
     }
@@ -277,11 +273,11 @@ impl<'a> Work<'a> {
 
     /// The relief as it is written.
     fn finished(&self, at: Checkpoint, steps: [usize; 2]) -> Sheet {
-        let SheetSettings { cell, cells, grid, cutter, .. } = *self.sculpting;
+        let SheetSpec { cell, cells, grid, settings, .. } = *self.sculpting;
         let lattice = self.lattice(grid);
         let z = self.resampled(&at, grid);
-        let mut relief = relief(lattice, &z, self.manufacturing.tilt);
-        if let Some(cutter) = cutter {
+        let mut relief = relief(lattice, &z, self.tilt);
+        if let Some(cutter) = settings.cutter {
             let tool = Tool::new(cell, cutter);
             // In a valley that runs along neither axis nor diagonal, the lowest points lie between the tool's places; a node
             // raised for them may be too high for the tool on its grid, and so on.

@@ -132,9 +132,10 @@ impl Tool {
     }
 }
 
-/// One cell of `relief` after polish or paint that smooths heights by a Gaussian of standard deviation `sigma` mm.
-pub fn polished(mut relief: PeriodicRelief, sigma: f64) -> PeriodicRelief {
-    if sigma > 0.0 {
+/// One cell of `relief` after polish or paint, if there is any, that smooths heights by a Gaussian of standard deviation
+/// `sigma` mm.
+pub fn polished(mut relief: PeriodicRelief, sigma: Option<f64>) -> PeriodicRelief {
+    if let Some(sigma) = sigma {
         relief.heights = smoothed(&relief, sigma);
     }
     relief

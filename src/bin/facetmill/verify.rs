@@ -23,9 +23,7 @@ use crate::{inputs, plates, tables};
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
-    args.optics.apply(&mut recipe);
-    args.running.apply(&mut recipe);
-    recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
+    args.settings.apply(&mut recipe);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     let mut setup = recipe.setup();

@@ -40,10 +40,11 @@ fn relief_at(objective: &Objective, seed: usize) -> Vec<f32> {
 }
 
 /// Along the gradient and along smooth directions, the derivative of the loss is its central difference.
-fn assert_gradient(name: &str, scale: LossScale, manufacturing: ManufacturingModel, look_at_tool: bool) {
+fn assert_gradient(name: &str, scale: LossScale, settings: SheetSettings, look_at_tool: bool) {
     let n = NODES * NODES;
     for seed in 1..3 {
-        let mut objective = Objective::new(lattice(), target((0.5 * scale.blur).max(0.125)), scale, manufacturing);
+        let mut objective =
+            Objective::new(lattice(), Slope::FLAT, target((0.5 * scale.blur).max(0.125)), scale, &settings);
         let y = relief_at(&objective, seed);
         let z = objective.relief(&y);
         objective.set_penalties(&z, 0.5);
@@ -85,44 +86,44 @@ const BALL: Option<Cutter> = Some(Cutter::Ball { diameter: 0.1 });
 
 #[test]
 fn the_gradient_is_the_derivative_without_a_cutter() {
-    assert_gradient("wide", WIDE, ManufacturingModel::default(), false);
-    assert_gradient("narrow", NARROW, ManufacturingModel::default(), false);
-    assert_gradient("fine", LossScale { weighed: false, ..FINE }, ManufacturingModel::default(), false);
+    assert_gradient("wide", WIDE, SheetSettings::default(), false);
+    assert_gradient("narrow", NARROW, SheetSettings::default(), false);
+    assert_gradient("fine", LossScale { weighed: false, ..FINE }, SheetSettings::default(), false);
 }
 
 #[test]
 fn the_gradient_is_the_derivative_where_the_dark_weighs_more() {
-    assert_gradient("dark", LossScale { weighed: true, ..NARROW }, ManufacturingModel::default(), false);
+    assert_gradient("dark", LossScale { weighed: true, ..NARROW }, SheetSettings::default(), false);
 }
 
 #[test]
 fn the_gradient_is_the_derivative_for_a_cutter() {
-    assert_gradient("cutter", NARROW, ManufacturingModel { cutter: BALL, ..Default::default() }, false);
+    assert_gradient("cutter", NARROW, SheetSettings { cutter: BALL, ..Default::default() }, false);
 }
 
 #[test]
 fn the_gradient_is_the_derivative_under_polish() {
-    assert_gradient("polish", NARROW, ManufacturingModel { polish: 0.04, ..Default::default() }, false);
+    assert_gradient("polish", NARROW, SheetSettings { polish: Some(0.04), ..Default::default() }, false);
 }
 
 #[test]
 fn the_gradient_is_the_derivative_beyond_the_depth_limit() {
-    let shallow = ManufacturingModel { max_depth: Some(0.03), ..Default::default() };
-    let objective = Objective::new(lattice(), target(0.25), NARROW, shallow);
+    let shallow = SheetSettings { max_depth: Some(0.03), ..Default::default() };
+    let objective = Objective::new(lattice(), Slope::FLAT, target(0.25), NARROW, &shallow);
     assert!(objective.excess_depth(&objective.relief(&relief_at(&objective, 1))) > 0.3);
     assert_gradient("depth", NARROW, shallow, false);
 }
 
 #[test]
 fn the_gradient_is_the_derivative_with_everything_together() {
-    let all = ManufacturingModel { cutter: BALL, polish: 0.02, finest: 0.08, max_depth: Some(0.04), tilt: Slope::FLAT };
+    let all = SheetSettings { cutter: BALL, polish: Some(0.02), min_feature: Some(0.08), max_depth: Some(0.04) };
     assert_gradient("all", LossScale { weighed: true, ..NARROW }, all, false);
     assert_gradient("all, fine", FINE, all, true);
 }
 
 #[test]
 fn unknowns_and_heights_are_each_others_inverse() {
-    let objective = Objective::new(lattice(), target(0.25), NARROW, ManufacturingModel::default());
+    let objective = Objective::new(lattice(), Slope::FLAT, target(0.25), NARROW, &SheetSettings::default());
     let y = relief_at(&objective, 1);
     let back = objective.unknowns(&objective.relief(&y));
     let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
@@ -131,8 +132,13 @@ fn unknowns_and_heights_are_each_others_inverse() {
 
 #[test]
 fn a_tool_residual_makes_the_models_light_that_of_the_milled_relief() {
-    let mut objective =
-        Objective::new(lattice(), target(0.125), FINE, ManufacturingModel { cutter: BALL, ..Default::default() });
+    let mut objective = Objective::new(
+        lattice(),
+        Slope::FLAT,
+        target(0.125),
+        FINE,
+        &SheetSettings { cutter: BALL, ..Default::default() },
+    );
     let z = objective.relief(&relief_at(&objective, 1));
     let before = objective.misplaced(&z, 0.5);
     objective.update_tool_residual(&z, &Progress::silent());

@@ -13,8 +13,8 @@ use facetmill::verify::experiment::Measuring;
 use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
 use facetmill::verify::goniometer::table::BrdfAxes;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::{percent, row};
@@ -53,7 +53,7 @@ pub fn measure(
 ) -> Result<Outcome, Failure> {
     let axes = axes(args)?;
     let lights = axes.slices();
-    let rays = args.running.rays().unwrap_or(RAYS);
+    let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
     progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {

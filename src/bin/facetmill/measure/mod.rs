@@ -1,6 +1,5 @@
 //! `facetmill measure`: what light does on a plate, in one of five ways.
 
-pub mod args;
 mod brdf;
 mod check;
 mod highlight;
@@ -21,6 +20,7 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::experiment::{Experiment, Measuring};
 
+use crate::args::MeasureArgs;
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{Place, Staged};
 use crate::inputs;
@@ -28,7 +28,6 @@ use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
-use args::MeasureArgs;
 
 /// All that every measurement needs, read and checked.
 struct Bench {
@@ -133,19 +132,10 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
 
 /// The flags laid over what the folder of a design says.
 fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
-    if let Some([theta, phi]) = args.light {
-        (recipe.light.theta, recipe.light.phi) = (theta, phi);
-    }
-    recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
-    recipe.plate.lobe = args.lobe.unwrap_or(recipe.plate.lobe);
-    recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
-    recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
-    recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
     // How long and with which chance the design was proven says nothing of this measurement.
     let usual = Recipe::default();
-    recipe.design.seed = args.seed.unwrap_or(usual.design.seed);
-    recipe.verify = usual.verify;
-    args.running.apply(&mut recipe);
+    (recipe.design.seed, recipe.verify) = (usual.design.seed, usual.verify);
+    args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
 }

@@ -8,8 +8,8 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, render};
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::row;
@@ -49,10 +49,10 @@ pub fn measure(
         Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
         Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
     };
-    let paths = args.running.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    let paths = args.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
     if paths > MOST_PATHS {
         let most = MOST_PATHS * (side * side) as u64;
-        let all = args.running.rays().unwrap_or(0);
+        let all = args.rays().unwrap_or(0);
         return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
     }
     let settings = ViewSettings {

@@ -10,8 +10,8 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::wall::{WallError, WallImage, WallSettings, wall_image};
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::{percent, row};
