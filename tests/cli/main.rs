@@ -10,6 +10,7 @@ mod kinds;
 mod measure;
 mod milled;
 mod names;
+mod publishing;
 mod stopping;
 mod telling;
 

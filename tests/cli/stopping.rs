@@ -1,11 +1,10 @@
 //! Ctrl-C, snapshots, and going on from them.
 
 use std::fs;
-use std::path::Path;
 
 use serde_json::Value;
 
-use super::program::{facetmill, finish, home, listing, ring, run_line};
+use super::program::{facetmill, finish, home, ring, run_line};
 use super::{ALL_FILES, SHEET, assert_done, assert_refused, names};
 
 /// Until the program has set up what it does about Ctrl-C.
@@ -113,18 +112,8 @@ fn a_design_resumed_from_its_snapshots_ends_in_the_same_bytes() {
         }
     }
     let flags = if home.path().join("stopped/plate.stl").exists() { "--resume --force" } else { "--resume" };
-    clear_hidden(&home.path().join("stopped"));
     assert_done(&run_line(home.path(), &format!("design ring.png -o stopped {SHEET} {flags}")));
     assert!(stl("whole") == stl("stopped"));
-}
-
-/// What a killed program may leave of the file that it was writing.
-fn clear_hidden(folder: &Path) {
-    for path in listing(folder) {
-        if path.file_name().unwrap().to_string_lossy().starts_with('.') && path.is_dir() {
-            fs::remove_dir_all(path).unwrap();
-        }
-    }
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub enum Failure {
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
-            Self::Usage(_) => 2,
+            Self::Usage(_) | Self::Output(OutputError::OwnInput(..)) => 2,
             Self::Input(_) => 3,
             Self::Impossible(_) => 4,
             Self::Output(_) => 5,

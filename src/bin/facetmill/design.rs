@@ -14,14 +14,16 @@ use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::{OutputError, Staged};
+use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
 use crate::{inputs, tables};
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
+    inputs::given([args.recipe.as_deref(), None])?;
     let (recipe, path) = recipe(args)?;
+    let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
         let picture = picture::read(&path, &recipe.reading())?;
         let stray = unavoidable_light(&recipe, &picture.light)?;
@@ -35,8 +37,10 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         return Ok(());
     };
     // Before any work: a folder that cannot be written should not cost a minute.
-    let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
-    let mut staged = Staged::new(folder, may_replace, exports::names(), &run.gate)?;
+    let inner: &[_] = if args.snapshots || args.resume { &[snapshots::FOLDER] } else { &[] };
+    let own = exports::names();
+    let place = Place { inner, goes_on: args.resume, ..Place::new(folder, args.running.force, &own, &read) };
+    let mut staged = Staged::new(&place, &run.gate)?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }

@@ -7,9 +7,17 @@ use std::path::Path;
 use facetmill::recipe::Recipe;
 
 use crate::console::Failure;
+use crate::files;
 
 /// Largest recipe read, bytes.
 const LARGEST_RECIPE: u64 = 1 << 20;
+
+/// The inputs that were given, once what a killed run left half-way in the folders that they are, or lie in, is put right.
+pub fn given(inputs: [Option<&Path>; 2]) -> Result<Vec<&Path>, Failure> {
+    let given: Vec<&Path> = inputs.into_iter().flatten().collect();
+    files::settle(&given).map_err(|error| Failure::Input(error.to_string()))?;
+    Ok(given)
+}
 
 /// Opens a regular file.
 pub fn open(path: &Path) -> Result<File, Failure> {

@@ -1,4 +1,4 @@
-//! Ctrl-C: what ends at once, and what is brought to an end first.
+//! Signals: what Ctrl-C ends at once and what it brings to an end first, and files that grow too large.
 
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -8,6 +8,14 @@ use facetmill::progress::CancelToken;
 
 use crate::console::{Failure, report_failure};
 use crate::files::Gate;
+
+/// Beyond a limit on the size of files the system would end the program by a signal: caught, the write fails instead, and
+/// is told and cleared away like any other.
+pub fn catch_size_limit() {
+    #[cfg(unix)]
+    // Without the handler the program still ends, only less tidily.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
+}
 
 /// One run of the program, as Ctrl-C meets it.
 #[derive(Default)]

@@ -52,6 +52,7 @@ fn main() -> ExitCode {
     let interrupted = run.clone();
     // Without a handler Ctrl-C still ends the program, only less tidily.
     let _ = ctrlc::set_handler(move || interrupted.interrupted(to_json));
+    interrupt::catch_size_limit();
     if let Some(threads) = running.threads {
         // Fails only if a pool exists already, and none does yet.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();

@@ -153,7 +153,7 @@ fn mount_of(path: &Path) -> Result<Option<DVec3>, Failure> {
     }
 }
 
-/// Refuses to measure into the very folder of the design: its report, which tells of the plate, would be replaced.
+/// Refuses to measure or verify into the very folder of the design: its report, which tells of the plate, would be replaced.
 pub fn spare_design(plate: &Path, output: &Path) -> Result<(), Failure> {
     let folder = |path: &Path| path.canonicalize().ok();
     let home =

@@ -27,6 +27,10 @@ pub const FOLDER: &str = "snapshots";
 /// The state's name within it.
 const STATE: &str = "state";
 
+/// A file of them that is being written. The output folder is locked, so nobody else does; what a killed run leaves of it
+/// is written over by the next.
+const ASIDE: &str = ".facetmill-part";
+
 /// Pixels along a side of a snapshot.
 const SIDE: usize = 256;
 
@@ -81,14 +85,22 @@ impl<'a> Snapshots<'a> {
         name: &str,
         content: impl FnOnce(&mut BufWriter<&fs::File>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let aside = tempfile::NamedTempFile::new_in(&self.folder)?;
-        let mut out = BufWriter::new(aside.as_file());
-        content(&mut out)?;
-        out.flush()?;
-        drop(out);
-        aside.as_file().sync_all()?;
-        aside.persist(self.folder.join(name)).map_err(|error| error.error)?;
-        Ok(())
+        let aside = self.folder.join(ASIDE);
+        let written = || {
+            let file = fs::File::create(&aside)?;
+            let mut out = BufWriter::new(&file);
+            content(&mut out)?;
+            out.flush()?;
+            drop(out);
+            file.sync_all()?;
+            fs::rename(&aside, self.folder.join(name))
+        };
+        // In one piece, so that a failure leaves nothing.
+        let done = written();
+        if done.is_err() {
+            let _ = fs::remove_file(&aside);
+        }
+        done
     }
 
     /// The highlight of one cell by first bounces, blurred by lamp and metal, as bright as `simulated.png` will be.
@@ -104,12 +116,6 @@ impl<'a> Snapshots<'a> {
         let target = see(&scored_target(self.light, self.recipe.highlight.quantity, setup, SIDE));
         tone_mapped(&see(&light), common_white(&target))
     }
-}
-
-/// Whether `output` holds snapshots and nothing else.
-pub fn are_all(output: &Path) -> bool {
-    let others = |entry: io::Result<fs::DirEntry>| entry.is_ok_and(|entry| entry.file_name() == FOLDER);
-    fs::read_dir(output).is_ok_and(|mut entries| entries.all(others))
 }
 
 /// The state that an earlier run of the same recipe left in `output`.
@@ -181,7 +187,7 @@ fn clear(folder: &Path) -> io::Result<()> {
             let number = name
                 .get(..3)
                 .is_some_and(|start| start.ends_with('-') && start[..2].bytes().all(|byte| byte.is_ascii_digit()));
-            name == STATE || (number && name.ends_with(".png"))
+            name == STATE || name == ASIDE || (number && name.ends_with(".png"))
         });
         if is_ours && entry.file_type()?.is_file() {
             fs::remove_file(entry.path())?;

@@ -16,9 +16,9 @@ use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::Staged;
+use crate::files::{Place, Staged};
 use crate::interrupt::Run;
-use crate::{plates, tables};
+use crate::{inputs, plates, tables};
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
@@ -38,7 +38,9 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec(), &run.gate)?;
+    let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
+    plates::spare_design(&args.plate, &args.output)?;
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);

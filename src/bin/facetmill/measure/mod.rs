@@ -22,7 +22,8 @@ use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::args::MeasureArgs;
 use crate::console::{Failure, Stages, Table, tell};
-use crate::files::Staged;
+use crate::files::{Place, Staged};
+use crate::inputs;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
@@ -61,6 +62,7 @@ struct Outcome {
 /// Does what `args` say.
 pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     check::check(args)?;
+    let read = inputs::given([Some(&args.plate), args.lamp.as_deref()])?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
     let measuring = measuring(args, &recipe);
@@ -72,7 +74,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec(), &run.gate)?;
+    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MEASURE, &read), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
