@@ -31,7 +31,7 @@ const ROWS: [Row; 5] = [
 ];
 
 fn ball(recipe: &mut Recipe) {
-    recipe.design.cutter = "ball:0.5".parse().ok();
+    recipe.design.sheet.cutter = "ball:0.5".parse().ok();
 }
 
 /// Gaps between questions, by the stage in which they fell.

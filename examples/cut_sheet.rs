@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let patience: Option<f64> = arguments.next().map(|s| s.to_string_lossy().parse()).transpose()?;
 
     let mut recipe = Recipe::default();
-    recipe.design.cutter = Some("ball:0.5".parse()?); // diameter, mm
+    recipe.design.sheet.cutter = Some("ball:0.5".parse()?); // diameter, mm
     recipe.picture = picture.to_str().map(Into::into);
     let picture = read(&picture, &recipe.reading())?;
     let token = CancelToken::default();

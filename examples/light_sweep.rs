@@ -15,7 +15,8 @@ use facetmill::progress::Progress;
 use facetmill::projection::Projection;
 use facetmill::recipe::Recipe;
 use facetmill::trace::grid::GridSurface;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::verdict::Verdict;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,6 +1,6 @@
 //! What a person sees of a design: the plate itself, a ball that wears its relief, and the reflection on a wall.
 //!
-//!     cargo run --release --example look_and_wall -- examples/highlights/ring.png /tmp/sights
+//!     cargo run --release --example look_and_wall -- examples/highlights/ring.png /tmp/views
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -8,19 +8,19 @@ use std::path::PathBuf;
 use facetmill::export::pixels::encode_png;
 use facetmill::export::rendered_view::{Exposure, view_page, wall_page};
 use facetmill::job::design::design;
+use facetmill::lamp::{Extent, Lamp};
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
 use facetmill::trace::grid::GridSurface;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
-use facetmill::verify::render::{Shape, ViewSettings, look};
-use facetmill::verify::wall::{WallSettings, throw};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::render::{Shape, ViewSettings, render};
+use facetmill::verify::wall::{WallSettings, wall_image};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1).map(PathBuf::from);
     let picture = arguments.next().unwrap_or_else(|| "examples/highlights/ring.png".into());
-    let folder = arguments.next().unwrap_or_else(|| "sights".into());
+    let folder = arguments.next().unwrap_or_else(|| "views".into());
     std::fs::create_dir_all(&folder)?;
     let mut recipe = Recipe::default();
     // Many small cells: the eye takes them for one surface, and each holds the whole highlight.
@@ -38,15 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     // A lamp of 10 mm radius and a wall, both a metre away.
     let surface = GridSurface::new(&plate.relief);
     let mirror = Experiment::new(&surface, &setup);
-    let settings =
-        WallSettings { lamp_distance: 1000.0, lamp_radius: 10.0, half_width: 450.0, ..WallSettings::default() };
-    let thrown = throw(&mirror, &settings, &Measuring::default(), &Progress::silent())?;
+    let settings = WallSettings { half_width: 450.0, ..WallSettings::default() };
+    let image =
+        wall_image(&mirror.clone().under_ball(1000.0, 10.0), &settings, &Measuring::default(), &Progress::silent())?;
     let exposure = Exposure { mirrored: true, heading: "WallImage on a wall".into(), ..Exposure::default() };
-    save("wall.png", &wall_page(&thrown, &settings, &exposure))?;
+    save("wall.png", &wall_page(&image, &settings, &exposure))?;
 
     // The plate in a hand, under a lamp of 3° radius, in a room with a little light of its own.
     let material: facetmill::brdf::material::Material = "aluminium:ggx:0.03".parse()?;
-    let lamp = Lamp::round(f64::to_radians(3.0));
+    let lamp: Lamp = setup.lamp().with_extent(Extent::round(f64::to_radians(3.0))).into();
     let finished = Experiment { material: material.clone(), lamp: lamp.clone(), ..mirror };
     let settings = ViewSettings {
         theta: 22.0,
@@ -56,8 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ambient: 0.05,
         ..ViewSettings::default()
     };
-    let sight = look(&finished, &settings, &Progress::silent())?;
-    save("plate.png", &view_page(&sight, &settings, &Exposure { heading: "The plate".into(), ..Exposure::default() }))?;
+    let view = render(&finished, &settings, &Progress::silent())?;
+    save("plate.png", &view_page(&view, &settings, &Exposure { heading: "The plate".into(), ..Exposure::default() }))?;
 
     // A ball and a cylinder whose whole surface has that relief, too fine to see.
     let panel = GridSurface::panel(&plate.relief);
@@ -73,8 +73,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             phi: 270.0,
             ..ViewSettings::default()
         };
-        let sight = look(&worn, &settings, &Progress::silent())?;
-        save(name, &view_page(&sight, &settings, &Exposure::default()))?;
+        let view = render(&worn, &settings, &Progress::silent())?;
+        save(name, &view_page(&view, &settings, &Exposure::default()))?;
     }
     Ok(())
 }

@@ -12,7 +12,8 @@ use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 
 fn main() -> Result<(), Box<dyn Error>> {

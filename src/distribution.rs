@@ -54,7 +54,7 @@ impl SlopeDistribution {
         settings: &SlopeDistributionSettings,
         reflectance: impl Fn(f64) -> f64,
     ) -> Result<Self, DistributionError> {
-        let mut found = Self::mounted(highlight, *setup, settings, &reflectance)?;
+        let mut found = Self::mounted(highlight, setup.clone(), settings, &reflectance)?;
         if settings.level {
             // Mounting the plate along its mean normal changes the footprints a little, hence the mean: a fixed point,
             // reached to rounding in a handful of rounds because the change is of second order in the slopes.
@@ -117,6 +117,7 @@ const LEVEL_ROUNDS: usize = 20;
 
 /// Why no distribution could be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DistributionError {
     /// Nothing is left under the slope cap.
     #[error(

@@ -1,9 +1,10 @@
 //! facetmill turns a drawn highlight into a relief that can be milled and that really reflects it.
 //!
-//! A picture says how bright a piece of metal shall look from each direction. The crate finds a relief, one continuous
-//! sheet or a plate of small planar mirrors, whose reflection is that picture, follows light over the exact relief and
-//! over what its cutter leaves to prove it, and closes it into a solid for milling. It follows Weyrich, Peers, Matusik, Rusinkiewicz, "Fabricating Microgeometry for Custom Surface
-//! Reflectance" (SIGGRAPH 2009); `docs/method.md` in the repository has the mathematics.
+//! A picture says how bright a piece of metal shall look from each direction. The crate finds a relief whose reflection
+//! is that picture, one continuous sheet shaped for its cutter, or a plate of small planar mirrors; follows light over the
+//! exact relief and over what the cutter leaves, to prove it; and closes it into a solid for milling. It comes from
+//! Weyrich, Peers, Matusik, Rusinkiewicz, "Fabricating Microgeometry for Custom Surface Reflectance" (SIGGRAPH 2009);
+//! `docs/method.md` and `docs/relief.md` in the repository have the mathematics.
 //!
 //! # From a drawing to a verdict
 //!
@@ -12,9 +13,10 @@
 //! use facetmill::progress::Progress;
 //! use facetmill::projection::View;
 //! use facetmill::raster::Raster;
-//! use facetmill::recipe::Recipe;
-//! use facetmill::job::proof::prove;
+//! use facetmill::cutter::Cutter;
 //! use facetmill::job::design::design;
+//! use facetmill::job::proof::prove;
+//! use facetmill::recipe::Recipe;
 //!
 //! // A ring of light: numbers proportional to brightness, row 0 on top.
 //! let ring = Raster::from_fn(64, 64, |column, row| {
@@ -27,18 +29,20 @@
 //! let mut recipe = Recipe::default();
 //! recipe.highlight.half_field = 10.0;
 //! recipe.plate.size = [12.0, 12.0];
-//! recipe.plate.facets = Some([12, 12]);
+//! recipe.plate.cells = Some(1);
+//! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given
+//! recipe.design.cutter = Some(Cutter::ball(0.5));
 //! recipe.verify.rays = 100_000;
 //!
 //! let plate = design(&recipe, &picture.light, &Progress::silent())?;
-//! let steps = plate.facets.as_ref().map(|facets| facets.steps).unwrap();
-//! assert_eq!(steps.inner_valleys, 0); // a dome: a cutter fills no corner
-//! assert!(steps.rms < 0.01); // mm between neighbours
+//! assert!(plate.sheet.is_some()); // unless something asks for facets
 //!
 //! let proof = prove(&recipe, &picture.light, &plate, &Progress::silent())?;
 //! let main = proof.verdict.main(); // seen through a blur of 1°
 //! assert!(main.tv_incident.value < 0.02); // 98 % of all light is where the ring is
 //! assert!(main.ssim.value > 0.98);
+//! let cut = proof.milled.as_ref().unwrap(); // the same plate as the ball leaves it
+//! assert!(cut.verdict.main().tv_incident.value < 0.03);
 //!
 //! let mut file = Vec::new(); // or any other writer
 //! facetmill::export::stl::write_stl(&plate.mesh, &mut file)?;
@@ -49,12 +53,14 @@
 //!
 //! The modules stand in reading order, and each imports only from those above it.
 //!
-//! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fourier`] and
-//!    [`descent`] are the two numerical tools that several stages share.
+//! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fence`] turns a
+//!    panic of a file's decoder into an error. [`fourier`] and [`descent`] are the two numerical tools that several
+//!    stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
-//!    the image plane. [`setup`] ties light, image and plate together: which slope lights which point of the image.
-//!    [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
-//! 3. **Drawing.** [`raster`] is a rectangle of numbers. [`picture`] reads a file into linear light on a square.
+//!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
+//!    for its light at a place. [`setup`] ties light, image and plate together: which slope lights which point of the
+//!    image. [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
+//! 3. **Drawing.** [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
 //!    share of the plate's area. [`cutter`] is what it is to be cut with.
@@ -113,7 +119,7 @@
 //! | what | here | signs and units |
 //! |---|---|---|
 //! | lengths | millimetres | everywhere, in memory and in files |
-//! | angles | radians in the library; degrees in a [`recipe::Recipe`], flags, files and reports | theta from +z, phi from +x toward +y |
+//! | angles | radians in the library; degrees in a [`recipe::Recipe`], flags, files, reports, in the blurs of [`verify`] and on the slope plane of [`sculpt`] | theta from +z, phi from +x toward +y |
 //! | slope (p, q) | gradient of the height | a surface that climbs toward +x throws light toward -x |
 //! | normal m | (-p, -q, 1)/√(1 + p² + q²) | unit, out of the metal |
 //! | l, o | from the plate to light and viewer | unit; o = 2 (l·m) m - l |
@@ -124,7 +130,7 @@
 //! | shares | of incident flux unless said otherwise | `multi_bounce` is a share of the flux that leaves upward |
 //! | lobe | scatter of the base metal | standard deviation of its deflections along each axis, at normal incidence |
 //! | blur | standard deviation of a Gaussian at the image centre | 0.5°, 1°, 2° in reports |
-//! | numbers | f64; f32 only in a [`relief::mesh::Mesh`], as in an STL file | |
+//! | numbers | f64 | f32 in a [`relief::mesh::Mesh`], as in an STL file, in the heights and light of a sheet ([`relief::periodic`], [`sculpt`]) and in a BRDF table |
 //! | randomness | streams from (seed, index) | same bytes for any number of threads |
 //!
 //! # Beside other systems
@@ -151,6 +157,8 @@ pub use image;
 
 pub mod progress;
 
+pub mod fence;
+
 pub mod fourier;
 
 pub mod descent;
@@ -159,11 +167,13 @@ pub mod slope;
 
 pub mod projection;
 
+pub mod raster;
+
+pub mod lamp;
+
 pub mod setup;
 
 pub mod brdf;
-
-pub mod raster;
 
 pub mod picture;
 

@@ -1,5 +1,7 @@
 //! A rectangle of numbers, row 0 at the top.
 
+use std::ops::{Mul, Sub};
+
 /// Numbers on a grid, row-major, row 0 at the top of the picture (v = +1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster {
@@ -71,6 +73,13 @@ impl Raster {
         });
         out
     }
+}
+
+/// Weights of the lower left, lower right, upper left and upper right corner of a square for bilinear interpolation at
+/// (a, b) in it, each from 0 to 1.
+pub fn bilinear_weights<T: Copy + From<u8> + Sub<Output = T> + Mul<Output = T>>(a: T, b: T) -> [T; 4] {
+    let one = T::from(1);
+    [(one - a) * (one - b), a * (one - b), (one - a) * b, a * b]
 }
 
 /// Which share of each of `from` equal intervals falls into each of `to` equal intervals of the same whole.

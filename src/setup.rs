@@ -6,14 +6,15 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
+use crate::lamp::{DistantLamp, Extent};
 use crate::projection::{Projection, View, carried_axes};
 use crate::slope::{Slope, direction, flat_mirror, mirror};
 
-/// One distant light and the highlight image around its mirror direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// One distant lamp and the highlight image around its mirror direction: the far scene, its viewers endlessly far away.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    light: DVec3,
-    light_radius: f64,
+    /// In the drawing's frame.
+    lamp: DistantLamp,
     view: View,
     /// Plate axes as columns, in the drawing's frame.
     mount: DMat3,
@@ -23,16 +24,21 @@ impl Setup {
     /// Light at polar angle `theta`, azimuth `phi`, with angular radius `light_radius` (0: ideal); all radians.
     /// The image has half field `half_field` around the mirror direction of the flat plate.
     pub fn new(theta: f64, phi: f64, light_radius: f64, projection: Projection, half_field: f64) -> Self {
-        let light = direction(theta, phi);
-        let view = View::new(projection, half_field, flat_mirror(light));
-        Self { light, light_radius, view, mount: DMat3::IDENTITY }
+        Self::under(DistantLamp::round(direction(theta, phi), light_radius), projection, half_field)
+    }
+
+    /// The image of half field `half_field` (radians) around the direction in which the flat plate mirrors the middle of
+    /// `lamp`.
+    pub fn under(lamp: DistantLamp, projection: Projection, half_field: f64) -> Self {
+        let view = View::new(projection, half_field, flat_mirror(lamp.direction));
+        Self { lamp, view, mount: DMat3::IDENTITY }
     }
 
     /// The same light and image, the plate's normal turned toward `normal` (unit, in the drawing's frame)
     /// by the smallest rotation.
-    pub fn mounted(self, normal: DVec3) -> Self {
+    pub fn mounted(&self, normal: DVec3) -> Self {
         let (e1, e2) = carried_axes(normal);
-        Self { mount: DMat3::from_cols(e1, e2, normal), ..self }
+        Self { mount: DMat3::from_cols(e1, e2, normal), ..self.clone() }
     }
 
     /// The plate's normal in the drawing's frame: +z unless the plate is mounted tilted.
@@ -47,12 +53,20 @@ impl Setup {
 
     /// Unit vector to the middle of the light, in the plate's frame.
     pub fn light(&self) -> DVec3 {
-        self.mount.transpose() * self.light
+        self.mount.transpose() * self.lamp.direction
     }
 
-    /// Angular radius of the light, radians.
+    /// The lamp in the plate's frame. A picture stays upright along the axes carried from there to its middle.
+    pub fn lamp(&self) -> DistantLamp {
+        DistantLamp { direction: self.light(), extent: self.lamp.extent.clone() }
+    }
+
+    /// Angular radius of a round lamp, radians; 0 of a picture.
     pub const fn light_radius(&self) -> f64 {
-        self.light_radius
+        match self.lamp.extent {
+            Extent::Disc { radius } => radius,
+            Extent::Point | Extent::Picture(_) => 0.0,
+        }
     }
 
     /// Direction (plate's frame) seen at image position `uv`, if there is one and it lies above the plate.
@@ -85,7 +99,7 @@ mod tests {
     fn slopes_and_image_positions_are_inverse_in_any_mounting() {
         for projection in [Projection::Orthographic, Projection::Equidistant, Projection::Screen] {
             let flat = Setup::new(0.5, 2.0, 0.0, projection, 0.3);
-            for setup in [flat, flat.mounted(direction(0.2, -1.0))] {
+            for setup in [flat.clone(), flat.mounted(direction(0.2, -1.0))] {
                 for uv in [DVec2::ZERO, DVec2::new(0.7, -0.2), DVec2::new(-0.9, 0.9)] {
                     let slope = setup.slope_at(uv).unwrap();
                     assert!((setup.image_of_slope(slope).unwrap() - uv).length() < 1e-9);

@@ -26,9 +26,10 @@ use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::trace::path::{Fate, Follower};
+use facetmill::trace::path::{Fate, PathFollower};
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::wasserstein::exact_w1;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -118,7 +119,7 @@ fn trace<S: Surface>(surface: &S, side: usize) -> f64 {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(777);
     // A mirror looks at no random number.
     let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
-    let mut follower = Follower::new(surface, &Material::MIRROR, BOUNCES);
+    let mut follower = PathFollower::new(surface, &Material::MIRROR, BOUNCES);
     let mut image = vec![0.0f32; PIXELS * PIXELS];
     for row in 0..side {
         for column in 0..side {

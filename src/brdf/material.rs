@@ -277,6 +277,7 @@ impl fmt::Debug for Material {
 
 /// Why there is no such material.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum MaterialError {
     /// The first word names nothing.
     #[error("'{0}' is not a material; known are {known}", known = Material::known())]

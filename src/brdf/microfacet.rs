@@ -234,6 +234,7 @@ fn visible_gaussian_slope(cos: f64, sin: f64, u: f64) -> f64 {
 
 /// Why there is no such lobe.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum LobeError {
     /// Too smooth, too rough, or not a number.
     #[error("a roughness of {0} is outside {low} to {high}; a smoother surface needs no lobe", low = Lobe::ALPHA.start(), high = Lobe::ALPHA.end())]

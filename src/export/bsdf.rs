@@ -374,6 +374,7 @@ fn corner_values(tables: &[&BrdfTable], weights: &[f64], slice: usize) -> Vec<f6
 
 /// Why a `.bsdf` cannot be written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum BsdfError {
     /// No wavelength at all.
     #[error("a .bsdf file needs at least one BRDF table")]

@@ -167,6 +167,7 @@ fn averaged(table: &BrdfTable) -> Vec<f64> {
 
 /// Why a MERL file cannot be written or read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum MerlError {
     /// The plate does not look the same when it is turned.
     #[error(

@@ -89,6 +89,7 @@ where
 
 /// Why a picture could not be made into a file.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PngError {
     /// No columns or no rows.
     #[error("the picture has no pixels")]

@@ -66,8 +66,8 @@ pub fn wall_page(wall: &WallImage, settings: &WallSettings, exposure: &Exposure)
     let raster = exposure.turned(&wall.irradiance());
     let white = exposure.white(&raster);
     let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
-    let lamp = if settings.lamp_distance.is_finite() {
-        format!("lamp of radius {} mm at {} mm", number(settings.lamp_radius), number(settings.lamp_distance))
+    let lamp = if wall.lamp_distance.is_finite() {
+        format!("lamp of radius {} mm at {} mm", number(wall.lamp_radius), number(wall.lamp_distance))
     } else {
         "distant lamp".to_owned()
     };
@@ -201,7 +201,7 @@ mod tests {
         let measurement = Measurement::of_parts(vec![part; 16]).unwrap();
         let blur =
             WallBlur { plate: DVec2::splat(30.0), lamp: DVec2::ZERO, plate_angle: DVec2::splat(0.03), lamp_angle: 0.0 };
-        WallImage { measurement, blur, half_width }
+        WallImage { measurement, blur, half_width, lamp_distance: f64::INFINITY, lamp_radius: 0.0 }
     }
 
     #[test]

@@ -133,6 +133,7 @@ fn fan(mesh: &mut Mesh, rim: &[u32], middle: [f32; 3]) {
 
 /// Why a sheet has no solid body.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SheetError {
     /// A height is infinite or not a number.
     #[error("the relief has a height that is not a finite number")]

@@ -269,6 +269,7 @@ fn height_range(relief: &FacetedRelief) -> Result<(f64, f64), SolidError> {
 
 /// Why a relief has no solid body.
 #[derive(Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SolidError {
     /// No cells, or the number of facets is not that of the cells.
     #[error("the relief must have at least one cell and exactly one facet for each cell")]

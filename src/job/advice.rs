@@ -2,7 +2,7 @@
 
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::report::mean_slope_costs;
+use crate::distribution::SlopeDistribution;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::sharpen::SCORED_AT;
 use crate::verify::verdict::Verdict;
@@ -15,6 +15,12 @@ pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Ve
         .chain(verdict.into_iter().flat_map(of_proof))
         .flatten()
         .collect()
+}
+
+/// Height that the mean slope alone costs from corner to corner, mm.
+pub(super) fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
+    let [x, y] = recipe.plate.size;
+    distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
 }
 
 fn percent(share: f64) -> String {
@@ -61,7 +67,7 @@ fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
 }
 
 fn no_cutter(recipe: &Recipe) -> Option<String> {
-    let sharp = recipe.surface() == SurfaceKind::Sheet && recipe.design.cutter.is_none();
+    let sharp = recipe.surface() == SurfaceKind::Sheet && recipe.design.sheet.cutter.is_none();
     sharp.then(|| {
         "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
             .into()
@@ -111,14 +117,7 @@ pub(super) fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &F
     let Some(sheet) = &design.sheet else {
         return format!("Flat facets were made, since {figures}: --surface continuous makes the sheet all the same.");
     };
-    let remedies = [
-        (sheet.stopped_early().is_some(), "let the design come to its end"),
-        (recipe.design.max_depth.is_some(), "raise --max-depth"),
-        (recipe.design.min_feature > 0.0, "lower --min-feature"),
-        (recipe.plate.grid.is_some(), "raise --grid"),
-        (recipe.plate.max_triangles.is_some(), "raise --max-triangles"),
-        (recipe.design.cutter.is_some(), "take a smaller cutter"),
-    ];
-    let remedies: String = remedies.iter().filter(|(helps, _)| *helps).map(|(_, what)| format!("{what}, ")).collect();
+    let early = (sheet.stopped_early().is_some()).then_some("let the design come to its end");
+    let remedies: String = early.into_iter().chain(recipe.remedies()).map(|what| format!("{what}, ")).collect();
     format!("Flat facets would do better, since {figures}: {remedies}or take --surface flat.")
 }

@@ -7,7 +7,8 @@ use crate::raster::Raster;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::Task;
-use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
 use crate::verify::score::blurred_scores;
 use crate::verify::verdict::MAIN_BLUR;
 
@@ -57,7 +58,7 @@ pub fn beside_facets(
     proof: &Proof,
     progress: &Progress,
 ) -> Result<Option<FacetComparison>, Cancelled> {
-    if plate.sheet.is_none() || recipe.design.polish > 0.0 {
+    if plate.sheet.is_none() || recipe.design.sheet.polish.is_some() {
         return Ok(None);
     }
     progress.stage(Stage::Comparison);
@@ -84,7 +85,7 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
     let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), seed: recipe.design.seed, ..Measuring::default() };
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
-    let measurement = match recipe.design.cutter {
+    let measurement = match recipe.design.sheet.cutter {
         None => mirrored.on(&GridSurface::new(&plate.relief)),
         Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
     };

@@ -120,7 +120,7 @@ pub fn design_with_checkpoints(
 /// Light that no relief of `recipe` keeps from straying once its cutter has cut it; `None` without a cutter, and of facets.
 pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavoidable>, DesignError> {
     recipe.check()?;
-    if recipe.surface() == SurfaceKind::Facets || recipe.design.cutter.is_none() {
+    if recipe.surface() == SurfaceKind::Facets || recipe.design.sheet.cutter.is_none() {
         return Ok(None);
     }
     let setup = recipe.setup();
@@ -184,7 +184,7 @@ fn continuous(
     let sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
     let ended_early = sheet.stopped_early().is_some();
     clock.lap(Stage::Sculpting);
-    shallow_enough(sheet.relief.depth(), recipe.design.max_depth)?;
+    shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
     progress.stage(Stage::Solid);
     let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
@@ -263,6 +263,7 @@ fn shrunk(light: &Raster) -> Raster {
 
 /// Why no plate came of a recipe.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DesignError {
     /// The recipe itself.
     #[error(transparent)]
@@ -315,6 +316,7 @@ pub enum DesignError {
 impl From<SculptError> for DesignError {
     fn from(error: SculptError) -> Self {
         match error {
+            SculptError::Cutter(cutter) => RecipeError::from(cutter).into(),
             SculptError::TooNarrow(narrow) => narrow.into(),
             SculptError::Cancelled(cancelled) => cancelled.into(),
         }

@@ -57,7 +57,8 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
-    let milled = recipe.design.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
+    let milled =
+        recipe.design.sheet.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
     EstimateReport {
         dry_run: true,
         plate_mm: recipe.plate.size.map(|side| side + rim),
@@ -77,14 +78,14 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
     let nodes = (sculpting.grid * sculpting.grid) as f64;
     let triangles = 2 * columns * rows + 8 * (columns + rows);
-    let each = if sculpting.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
+    let each = if sculpting.settings.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
     let step = sculpting.cell / sculpting.grid as f64;
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
     // The facets that it is compared with, and as milled all of it once more.
     let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
     let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c);
-    let beside = flat + recipe.design.cutter.map_or(0.0, milled);
+    let beside = flat + recipe.design.sheet.cutter.map_or(0.0, milled);
     EstimateReport {
         dry_run: true,
         plate_mm: recipe.plate.size.map(|side| side + rim),

@@ -25,7 +25,9 @@ pub mod report;
 
 mod product;
 
-pub use product::{Content, FILES, Product, png};
+pub mod exports;
+
+pub use product::{Content, Product, png};
 
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};

@@ -51,7 +51,7 @@ impl ProofPictures {
             ComparisonPage { target: &target, simulated, view, blur, captions: &captions }.picture()
         };
         let milled = proof.milled.as_ref().map(|milled| {
-            let how = recipe.design.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
+            let how = recipe.design.sheet.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
             compare(&see(&milled.measurement.whole.share_image()), &milled.verdict, &how)
         });
         Self {

@@ -15,7 +15,8 @@ use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
-use crate::verify::measure::{Measuring, Mirrored};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::{Likeness, change, likeness};
@@ -107,7 +108,7 @@ struct CutSheet {
 impl CutSheet {
     fn of(recipe: &Recipe, sheet: &Sheet, progress: &Progress) -> Self {
         let relief = &sheet.relief;
-        let (cut, left) = match recipe.design.cutter {
+        let (cut, left) = match recipe.design.sheet.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
                 let milled = Tool::new(relief.cell, cutter).mill(relief, progress);
@@ -115,7 +116,7 @@ impl CutSheet {
                 (milled.relief, left)
             }
         };
-        Self { relief: polished(cut, recipe.design.polish), left }
+        Self { relief: polished(cut, recipe.design.sheet.polish), left }
     }
 
     fn looked_at(
@@ -129,8 +130,8 @@ impl CutSheet {
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
         let change = change(&self.relief, setup);
         let changed = |heights: &[f32]| if progress.is_abandoned() { 1.0 } else { change(heights) };
-        let detail = smallest_detail(&self.relief, &changed);
-        let diffracted = diffracted(&self.relief, 1.0, &changed);
+        let detail = smallest_detail(&self.relief, changed);
+        let diffracted = diffracted(&self.relief, 1.0, changed);
         progress.check()?;
         let blur = recipe.blur(setup);
         let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed);
@@ -145,8 +146,8 @@ fn send_over_milled(
     made: Option<&CutSheet>,
     mirrored: Mirrored,
 ) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
-    let cutter = recipe.design.cutter;
-    if cutter.is_none() && recipe.design.polish == 0.0 {
+    let cutter = recipe.design.sheet.cutter;
+    if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
     }
     mirrored.progress.stage(Stage::Milling);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{advice, facets_are_better};
+use super::advice::{advice, facets_are_better, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::product::Product;
@@ -95,7 +95,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
         grid: relief.nodes,
         cells: relief.cells,
         cell_mm: relief.cell.to_array(),
-        cutter: recipe.design.cutter,
+        cutter: recipe.design.sheet.cutter,
         start: sheet.start,
         misplaced_by_stage: sheet.misplaced.clone(),
         fillet_share: sheet.fillets,
@@ -153,12 +153,6 @@ fn beside_facets(comparison: &FacetComparison) -> BesideFacets {
         tv_incident_1deg: OfEither { flat: flat.misplaced, continuous: continuous.misplaced },
         ssim_1deg: OfEither { flat: flat.ssim, continuous: continuous.ssim },
     }
-}
-
-/// Height that the mean slope alone costs from corner to corner, mm.
-pub(super) fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
-    let [x, y] = recipe.plate.size;
-    distribution.mean.p.abs() * x + distribution.mean.q.abs() * y
 }
 
 /// How many times as bright as white paper under the same lamp the highlight's brightest spot looks.

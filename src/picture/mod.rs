@@ -24,6 +24,8 @@ mod pixels;
 
 mod sniff;
 
+mod headers;
+
 mod float_tiff;
 
 mod decode;
@@ -168,6 +170,7 @@ fn prepare(pixels: Pixels, name: &str, reading: &Reading) -> Result<Picture, Pic
 
 /// Why a picture cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PictureError {
     /// Nothing has this name.
     #[error("{name}: there is no such file; check the path")]

@@ -1,54 +1,29 @@
 //! Which recipes can be made at all.
 
+use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
 use super::{Recipe, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::least_diameter;
 
-/// Facets on one plate at the most.
-const MOST_FACETS: usize = 4_000_000;
-
-/// Nodes along a side of a sheet's cell.
-const LEAST_GRID: usize = 16;
-const MOST_GRID: usize = 4096;
-
 impl Recipe {
     /// Refuses settings that make no sense, naming the first one.
     pub fn check(&self) -> Result<(), RecipeError> {
-        let highlight = &self.highlight;
-        let light = &self.light;
-        let plate = &self.plate;
-        within("half-field", highlight.half_field, 0.1, 85.0)?;
-        within("rotate", highlight.rotate, -360.0, 360.0)?;
-        within("light", light.theta, 0.0, 85.0)?;
-        within("light", light.phi, -360.0, 360.0)?;
-        within("light-radius", light.radius, 0.0, 89.0 - light.theta)?;
-        within("size", plate.size[0], 0.01, 10_000.0)?;
-        within("size", plate.size[1], 0.01, 10_000.0)?;
-        within("thickness", plate.thickness, 0.01, 1000.0)?;
-        within("border", plate.border, 0.0, 1000.0)?;
-        within("lobe", plate.lobe, 0.0, 10.0)?;
-        within("slope-cap", self.design.distribution.slope_cap, 0.1, 85.0)?;
-        let [columns, rows] = self.facets();
-        within("facets", columns as f64, 1.0, MOST_FACETS as f64)?;
-        within("facets", rows as f64, 1.0, MOST_FACETS as f64)?;
-        within("cells", plate.cells.unwrap_or(1) as f64, 1.0, MOST_FACETS as f64)?;
-        within("grid", plate.grid.unwrap_or(LEAST_GRID) as f64, LEAST_GRID as f64, MOST_GRID as f64)?;
-        within("max-triangles", self.most_triangles() as f64, 1000.0, 2e8)?;
-        within("for-cutter", self.design.cutter.map_or(1.0, Cutter::diameter), 1e-3, 100.0)?;
-        within("polish", self.design.polish, 0.0, 100.0)?;
-        within("min-feature", self.design.min_feature, 0.0, 100.0)?;
-        within("max-depth", self.design.max_depth.unwrap_or(1.0), 1e-4, 1000.0)?;
-        within("rays", self.verify.rays as f64, 1000.0, 1e11)?;
-        // What TOML can write back.
-        within("seed", self.design.seed as f64, 0.0, 9.2e18)?;
+        let mut recipe = self.clone();
+        SETTINGS.iter().try_for_each(|setting| setting.check(&mut recipe))?;
+        within("light-radius", self.light.radius, 0.0, 89.0 - self.light.theta)?;
         let annealing = self.annealing();
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
         self.check_kind()?;
-        if self.surface() == SurfaceKind::Sheet {
-            return self.check_sheet();
+        match self.surface() {
+            SurfaceKind::Facets => self.check_facets(),
+            SurfaceKind::Sheet => self.check_sheet(),
         }
+    }
+
+    fn check_facets(&self) -> Result<(), RecipeError> {
+        let [columns, rows] = self.facets();
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
         }
@@ -68,8 +43,8 @@ impl Recipe {
             return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
         }
         // Rounded up, so that what the message names will do.
-        let least = (1e3 * least_diameter(plate.size[0] * plate.size[1])).ceil() / 1e3;
-        match self.design.cutter.filter(|cutter| cutter.diameter() < least) {
+        let least = (1e3 * least_diameter(self.plate.size[0] * self.plate.size[1])).ceil() / 1e3;
+        match self.design.sheet.cutter.filter(|cutter| cutter.diameter() < least) {
             Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter(), least }),
             None => Ok(()),
         }
@@ -90,25 +65,21 @@ impl Recipe {
             let most = (self.most_triangles() as f64 / (2.0 * cells)).sqrt();
             return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
         }
-        self.design.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
-        if let Some(cutter) = self.design.cutter.filter(|c| c.diameter() > cell.min_element()) {
+        self.design.sheet.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
+        if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.diameter() > cell.min_element()) {
             return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter(), cell: cell.min_element() });
         }
-        let (polish, cell) = (self.design.polish, cell.min_element());
-        if polish >= 0.25 * cell {
-            return Err(RecipeError::PolishBeyondCell { polish, cell });
+        let cell = cell.min_element();
+        match self.design.sheet.polish.filter(|polish| *polish >= 0.25 * cell) {
+            Some(polish) => Err(RecipeError::PolishBeyondCell { polish, cell }),
+            None => Ok(()),
         }
-        Ok(())
     }
-}
-
-fn within(setting: &'static str, value: f64, low: f64, high: f64) -> Result<(), RecipeError> {
-    // A value that is not a number is in no range.
-    if (low..=high).contains(&value) { Ok(()) } else { Err(RecipeError::OutOfRange { setting, value, low, high }) }
 }
 
 /// Why a recipe cannot be followed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecipeError {
     /// Not TOML, or not of this program: what, and on which line.
     #[error("line {1} makes no sense: {0}")]
@@ -191,6 +162,9 @@ pub enum RecipeError {
         /// The largest grid within the budget.
         most: usize,
     },
+    /// A cutter that sheets cannot be designed for.
+    #[error(transparent)]
+    UnmodelledCutter(#[from] UnmodelledCutter),
     /// A ball wider than what it shall cut.
     #[error("a ball of {diameter} mm cannot cut cells of {cell:.3} mm: take a smaller cutter or fewer --cells")]
     CutterBeyondCell {
@@ -199,9 +173,6 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
-    /// A cutter that sheets cannot be designed for.
-    #[error(transparent)]
-    UnmodelledCutter(#[from] UnmodelledCutter),
     /// A ball too small to follow over a plate of facets.
     #[error(
         "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
@@ -297,13 +268,13 @@ mod tests {
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(flat(|r| r.plate.facets = Some([3000, 3000])).is_impossible());
         assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
-        let error = flat(|r| r.design.cutter = Some(Cutter::ball(0.07)));
+        let error = flat(|r| r.design.sheet.cutter = Some(Cutter::ball(0.07)));
         assert!(error.to_string().contains("0.075 mm or more"), "{error}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
-        assert_eq!(named(refused(|r| r.design.min_feature = -1.0)), "min-feature");
-        assert_eq!(named(refused(|r| r.design.polish = f64::NAN)), "polish");
-        assert_eq!(named(refused(|r| r.design.max_depth = Some(0.0))), "max-depth");
-        assert_eq!(named(refused(|r| r.design.cutter = Some(Cutter::ball(f64::NAN)))), "for-cutter");
+        assert_eq!(named(refused(|r| r.design.sheet.min_feature = Some(-1.0))), "min-feature");
+        assert_eq!(named(refused(|r| r.design.sheet.polish = Some(f64::NAN))), "polish");
+        assert_eq!(named(refused(|r| r.design.sheet.max_depth = Some(0.0))), "max-depth");
+        assert_eq!(named(refused(|r| r.design.sheet.cutter = Some(Cutter::ball(f64::NAN)))), "for-cutter");
         let continuous = |change: fn(&mut Recipe)| {
             let mut recipe = Recipe::default();
             recipe.plate.surface = Some(SurfaceKind::Sheet);
@@ -318,7 +289,7 @@ mod tests {
         assert!(matches!(error, RecipeError::LongCells { .. }));
         let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
         assert!(many.contains("fewer --cells"), "{many}");
-        assert!(continuous(|r| r.design.cutter = Some(Cutter::ball(20.0))).is_impossible());
-        assert!(continuous(|r| r.design.polish = 2.5).is_impossible());
+        assert!(continuous(|r| r.design.sheet.cutter = Some(Cutter::ball(20.0))).is_impossible());
+        assert!(continuous(|r| r.design.sheet.polish = Some(2.5)).is_impossible());
     }
 }

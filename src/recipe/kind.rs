@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::settings::SETTINGS;
 use super::{Recipe, RecipeError};
 
 /// Kinds of relief.
@@ -19,7 +20,7 @@ pub enum SurfaceKind {
 impl Recipe {
     /// The kind of relief: as asked; else facets where a setting asks for them, and one sheet where none does.
     pub fn surface(&self) -> SurfaceKind {
-        self.plate.surface.unwrap_or(match given(&self.only_of_facets()) {
+        self.plate.surface.unwrap_or(match self.given_only_for(SurfaceKind::Facets) {
             Some(_) => SurfaceKind::Facets,
             None => SurfaceKind::Sheet,
         })
@@ -28,13 +29,13 @@ impl Recipe {
     /// Whether nothing was asked for that only one kind of relief can give: neither the kind, nor cells, nor a setting of
     /// either.
     pub fn leaves_the_kind_open(&self) -> bool {
-        let asked = [given(&self.only_of_facets()), given(&self.only_of_sheets())];
+        let asked = [self.given_only_for(SurfaceKind::Facets), self.given_only_for(SurfaceKind::Sheet)];
         self.plate.surface.is_none() && self.plate.cells.is_none() && asked == [None, None]
     }
 
     /// Why the relief is of its kind, in a sentence for the report.
     pub fn why_this_surface(&self) -> String {
-        match (self.plate.surface, given(&self.only_of_facets())) {
+        match (self.plate.surface, self.given_only_for(SurfaceKind::Facets)) {
             (Some(SurfaceKind::Facets), _) => "facets: as --surface asks".into(),
             (Some(SurfaceKind::Sheet), _) => "sheet: as --surface asks".into(),
             (None, Some(setting)) => format!("facets: --{setting} asks for facets"),
@@ -47,18 +48,9 @@ impl Recipe {
 
     /// The same recipe for `kind`: settings that only the other kind has are gone.
     pub fn only_for(mut self, kind: SurfaceKind) -> Self {
-        let (plate, design) = (&mut self.plate, &mut self.design);
-        plate.surface = Some(kind);
-        match kind {
-            SurfaceKind::Facets => {
-                (plate.grid, plate.max_triangles) = (None, None);
-                (design.polish, design.min_feature, design.max_depth) = (0.0, 0.0, None);
-            }
-            SurfaceKind::Sheet => {
-                plate.facets = None;
-                (design.sample, design.arrange, design.heights, design.annealing) = (None, None, None, None);
-            }
-        }
+        let others = SETTINGS.iter().filter(|setting| setting.only.is_some_and(|only| only != kind));
+        others.for_each(|setting| (setting.at)(&mut self).clear());
+        self.plate.surface = Some(kind);
         self
     }
 
@@ -66,40 +58,16 @@ impl Recipe {
     pub(super) fn check_kind(&self) -> Result<(), RecipeError> {
         let kind = self.surface();
         let foreign = match kind {
-            SurfaceKind::Facets => given(&self.only_of_sheets()),
-            SurfaceKind::Sheet => given(&self.only_of_facets()),
+            SurfaceKind::Facets => self.given_only_for(SurfaceKind::Sheet),
+            SurfaceKind::Sheet => self.given_only_for(SurfaceKind::Facets),
         };
-        let decisive = || self.plate.surface.map_or_else(|| given(&self.only_of_facets()), |_| Some("surface"));
+        let decisive =
+            || self.plate.surface.map_or_else(|| self.given_only_for(SurfaceKind::Facets), |_| Some("surface"));
         match (foreign, decisive()) {
             (Some(setting), Some(decisive)) => Err(RecipeError::OtherKind { setting, decisive, kind }),
             _ => Ok(()),
         }
     }
-
-    fn only_of_facets(&self) -> [(&'static str, bool); 5] {
-        [
-            ("facets", self.plate.facets.is_some()),
-            ("sample", self.design.sample.is_some()),
-            ("arrange", self.design.arrange.is_some()),
-            ("heights", self.design.heights.is_some()),
-            ("annealing", self.design.annealing.is_some()),
-        ]
-    }
-
-    fn only_of_sheets(&self) -> [(&'static str, bool); 5] {
-        [
-            ("grid", self.plate.grid.is_some()),
-            ("max-triangles", self.plate.max_triangles.is_some()),
-            ("polish", self.design.polish != 0.0),
-            ("min-feature", self.design.min_feature != 0.0),
-            ("max-depth", self.design.max_depth.is_some()),
-        ]
-    }
-}
-
-/// The first setting that was given.
-fn given(settings: &[(&'static str, bool)]) -> Option<&'static str> {
-    settings.iter().find(|(_, given)| *given).map(|(name, _)| *name)
 }
 
 #[cfg(test)]
@@ -167,7 +135,7 @@ mod tests {
     #[test]
     fn words_of_earlier_versions_are_still_read() {
         let old = from_toml("[plate]\nsurface = 'continuous'\n[design]\nlevelling = 0.03\n");
-        assert_eq!((old.surface(), old.design.polish), (SurfaceKind::Sheet, 0.03));
+        assert_eq!((old.surface(), old.design.sheet.polish), (SurfaceKind::Sheet, Some(0.03)));
         assert_eq!(from_toml("[plate]\nsurface = 'flat'\n").surface(), SurfaceKind::Facets);
     }
 }

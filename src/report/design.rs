@@ -60,7 +60,7 @@ pub fn made_of(recipe: &Recipe, cells: Option<[usize; 2]>) -> String {
             format!("{across} × {up} facets")
         }
         Some([across, up]) => {
-            let cutter = recipe.design.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
+            let cutter = recipe.design.sheet.cutter.map(|c| format!(" for {c}")).unwrap_or_default();
             format!("{across} × {up} cells of a sheet{cutter}")
         }
     }

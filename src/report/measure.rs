@@ -54,7 +54,8 @@ pub enum Measured {
     /// The reflection on a wall.
     Wall(WallFacts),
     /// What a camera sees.
-    Look(ViewFacts),
+    #[serde(rename = "look")]
+    View(ViewFacts),
 }
 
 /// The highlight of one lamp.

@@ -4,13 +4,13 @@
 //! Keys are only ever added. `None` is written as null, unless the key came later or belongs to one kind of plate: then
 //! it is left out.
 
+pub mod scores;
+
 pub mod design;
 
 pub mod estimate;
 
 pub mod measure;
-
-pub mod scores;
 
 pub mod verify;
 

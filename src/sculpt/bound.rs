@@ -1,7 +1,7 @@
-//! The stray light that no relief escapes that a ball cutter can reach everywhere: what the design cannot buy off.
+//! A lower bound on the light that falls outside the drawing on every relief that a cutter can reach everywhere.
 //!
-//! A ball of radius R reaches every point of a relief z exactly where |x|²/2R - z is convex (a parabola in place of the
-//! sphere, as in `closing.rs`). On the way along any straight line the slope may fall at once, at a ridge, but rises by
+//! A tip of valley radius R reaches every point of a relief z exactly where |x|²/2R - z is convex (a paraboloid in place
+//! of the ball, as in `closing.rs`). On the way along any straight line the slope may fall at once, at a ridge, but rises by
 //! no more than t/R over a way t. Along a direction of the lattice of cells the line closes after one period L, so that
 //! the slope s along it, counted from the mean slope, has mean 0. Take a < 0 < b. On such a line, of three things one
 //! holds:
@@ -17,9 +17,9 @@
 //!     at least  min((b - a)·R/L, -a/(b - a), b/(b - a))  has a slope between a and b,
 //! ```
 //!
-//! and if the drawing wants but m(a, b) there, the excess strays: it is total variation, of which a blur much narrower
-//! than the gap hides little. The first of the three nearly always decides; without the other two the claim is wrong, since a line
-//! may keep just below 0 on most of its way and need no more than a short climb to make up for it. For light at
+//! and if the drawing wants only m(a, b) there, the excess falls where it is not wanted: it is total variation, of which a
+//! blur much narrower than the gap hides little. The first of the three is nearly always the smallest; without the other two the bound is wrong,
+//! since a line may keep just below 0 on most of its way and make up for it by a short climb. For light at
 //! ±s along x alone the bound 2s·R/L is met by a roof.
 //!
 //! A true ball turns faster than its parabola where it touches at a slope s, at most by the factor (1 + s²)^(3/2): 5 % at
@@ -30,24 +30,25 @@ use rayon::prelude::*;
 
 use crate::cutter::Cutter;
 
-/// Directions looked along, cells along x and y to one period: the two axes, the two diagonals, and what lies between.
+/// Directions of the lines, as cells along x and y to one period: the two axes, the two diagonals, and what lies between.
 const DIRECTIONS: [[i32; 2]; 8] = [[1, 0], [0, 1], [1, 1], [1, -1], [2, 1], [2, -1], [1, 2], [1, -2]];
 
-/// Ends of a gap that are tried on either side.
+/// Ends of a gap that are tried on either side of 0: each of 256² pairs, which takes milliseconds. More narrow the bound's
+/// loss, at most the share that one in 256 of the width holds.
 const ENDS: usize = 256;
 
-/// Light that must stray, and where.
+/// Light that cannot fall where it is wanted, and what shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unavoidable {
     /// Share of the plate's area whose light cannot be where it is wanted; 0 if nothing stands in the way.
     pub share: f64,
     /// Cells along x and y to one period of the lines that show it.
     pub along: [i32; 2],
-    /// The slopes along these lines, relative to the mean slope, between which the light strays: a < 0 < b, or both 0.
+    /// The slopes along these lines, relative to the mean slope, between which that light falls: a < 0 < b, or both 0.
     pub gap: [f64; 2],
 }
 
-/// The most that can be said of the light that strays on every periodic relief that the tip of `cutter` can follow.
+/// The largest of the bounds for every periodic relief that the tip of `cutter` can follow.
 ///
 /// `slopes` are the wanted ones relative to their mean, equal shares each, as of
 /// [`SlopePlane::samples`](super::target::SlopePlane::samples); `cell` is the size of a cell, mm. Gaps between
@@ -102,7 +103,7 @@ fn along_lines(slopes: Vec<f64>, climb: f64) -> (f64, [f64; 2]) {
     most
 }
 
-/// Where gaps may end on one side of 0: of each of many short pieces the best place, just before a sample.
+/// Where gaps may end on one side of 0: in each of many short pieces the best place, just before a sample.
 fn ends(mut side: Vec<f64>, each: f64, climb: f64) -> Vec<End> {
     side.sort_unstable_by(f64::total_cmp);
     let Some(&farthest) = side.last() else { return Vec::new() };

@@ -1,13 +1,14 @@
-//! A sheet on its way, and the file that holds it: a design that takes long can be gone on with.
+//! The state of a design of a sheet between two steps of its plan, and the file that holds it, so that a long design can
+//! be resumed.
 //!
-//! The file is one line of JSON (what it is, the recipe that it belongs to, how far it has come), then the heights as
-//! 32-bit floats, little-endian: exactly those of the running design, so that what is gone on with ends in the same bytes.
+//! The file is one line of JSON (what it is, the recipe that it belongs to, the steps done), then the heights as 32-bit
+//! floats, little-endian: exactly those of the running design, so that a resumed one ends in the same bytes.
 
 use std::io::{self, BufRead, Read, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{SheetSettings, plan};
+use super::plan::{SheetSpec, plan};
 use super::start::Start;
 
 /// What the first line says the file is.
@@ -25,7 +26,7 @@ const MOST_NODES: usize = 4096;
 /// Heights beyond this are no plate's, mm.
 const HIGHEST: f32 = 1e5;
 
-/// A relief on its way: all that is needed to go on from there.
+/// A relief after some steps of its plan: all that is needed to resume from there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     /// Steps of the plan that are done.
@@ -36,20 +37,20 @@ pub struct Checkpoint {
     pub nodes: usize,
     /// Heights of the cell about its mean plane, mm, rows of constant y.
     pub heights: Vec<f32>,
-    /// Light in the wrong place as the design sees it, at a blur of 0.5°, after each step.
+    /// Total variation between the relief's light as modelled and the wanted light, at a blur of 0.5°, after each step.
     pub misplaced: Vec<f64>,
 }
 
 impl Checkpoint {
-    /// Whether it lies on the way to a relief of `sculpting`.
-    pub fn suits(&self, sculpting: &SheetSettings) -> bool {
+    /// Whether it comes from the plan of `sculpting`.
+    pub fn suits(&self, sculpting: &SheetSpec) -> bool {
         let steps = plan(sculpting);
         let last = self.done.checked_sub(1).and_then(|k| steps.get(k));
         last.is_some_and(|step| step.nodes() == self.nodes) && self.heights.len() == self.nodes * self.nodes
     }
 }
 
-/// What a design belongs to, as text that is written beside its state and compared by whoever goes on with it.
+/// What a design belongs to, as text that is written beside its state and compared when it is resumed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Origin {
     /// The recipe, as TOML.
@@ -116,8 +117,9 @@ pub fn read_state(from: &mut impl BufRead) -> Result<(Checkpoint, Origin), State
     Ok((Checkpoint { done, start, nodes, heights, misplaced }, origin))
 }
 
-/// Why a design cannot be gone on with.
+/// Why a design cannot be resumed.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum StateError {
     /// The system refuses.
     #[error("the file cannot be read ({0})")]
@@ -136,6 +138,7 @@ pub enum StateError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sculpt::settings::SheetSettings;
 
     fn checkpoint() -> Checkpoint {
         let heights = (0..16).map(|k| 0.1 * k as f32 - 0.7).collect();
@@ -216,15 +219,12 @@ mod tests {
 
     #[test]
     fn a_state_suits_only_the_plan_it_comes_from() {
-        let sculpting = |grid: usize| SheetSettings {
+        let sculpting = |grid: usize| SheetSpec {
             cell: glam::DVec2::ONE,
             cells: [1, 1],
             grid,
-            cutter: None,
-            polish: 0.0,
-            min_feature: 0.0,
-            max_depth: None,
             seed: 1,
+            settings: SheetSettings::default(),
         };
         let of =
             |done: usize, nodes: usize| Checkpoint { done, nodes, heights: vec![0.0; nodes * nodes], ..checkpoint() };

@@ -1,50 +1,60 @@
-//! Where a relief turns upward, which a ball cutter rounds: the light of the fillets, and a penalty on them.
+//! Concave edges, which a cutter rounds: the light of their fillets, and a penalty on them.
 //!
-//! A square's own edge is a ridge, since it is cut along its higher diagonal; the relief turns upward at the edges of
-//! squares only. Across a rim along y by the larger p of the square after it less the smaller p of the one before, and
-//! likewise across a rim along x.
+//! A square's own diagonal is a ridge, since it is the higher of the two; a relief is concave at the edges of squares
+//! only. At an edge along y the slope p jumps upward by Δs, the larger p of the square after it less the smaller p of the
+//! one before; at an edge along x likewise with q.
 //!
-//! There a ball of radius R leaves a fillet, a strip R·Δs wide, half of it taken from each side, whose light is spread
-//! evenly between the two slopes (a parabola in place of the sphere). The two triangles at a rim share its slope along
-//! it, so the way from one to the other runs along an axis of the slope plane. Ends less than a bin apart are as good as
-//! one place: such fillets move no light.
+//! There a tip of valley radius R leaves a fillet: a strip R·Δs wide, half of it taken from each side, whose slopes are
+//! spread evenly between the two sides' (a paraboloid in place of the ball). Both sides have the same slope along the
+//! edge, so that the fillet's light lies on a line parallel to an axis of the slope plane. A fillet whose ends are less
+//! than a bin apart moves no light.
+//!
+//! The penalty is the sum over all concave edges of their strip's share of the plate, R·Δs times a step over the area,
+//! with Δs replaced by a function of it, [`jump_cost`](ConcaveEdges::jump_cost), that is smooth at 0 and steeper beyond
+//! the sharpest jump allowed.
 
 use crate::cutter::Cutter;
 
 use super::edge_slopes::{EdgeRow, EdgeRowSums, Lattice};
 use super::slope_histogram::{Place, SlopeHistogram};
 
-/// How strongly concave edges of more than what is allowed are charged, beside their share of the plate.
+/// Growth of the cost per unit of Δs when a jump is twice the sharpest one allowed, beside the 1 of its own area.
+///
+/// It trades light for reach. Sharper jumps than allowed were to be so rare that raising nodes at the end touches one in
+/// a thousand, which it does (docs/relief.md); no search for the value is on record.
 const STIFFNESS: f32 = 20.0;
 
-/// Concave edges much smaller than this are charged less than in proportion, so that the penalty is smooth at 0.
+/// Jumps of slope much smaller than this cost less than in proportion, as Δs²/SOFTNESS.
+///
+/// Without it the penalty has a kink at Δs = 0, where most edges of a smooth valley lie, and L-BFGS needs a continuous
+/// gradient. 0.02 is half of the 0.04 that a tool turns by from one of its places to the next.
 const SOFTNESS: f32 = 0.02;
 
-/// The fillets that a ball leaves on one lattice.
+/// The fillets that a cutter leaves on one lattice.
 #[derive(Clone, Copy, Debug)]
 pub struct ConcaveEdges {
-    /// Share of the plate that a edge of 1 along x and y takes.
+    /// Share of the plate that the fillet of one edge takes per unit of Δs, for jumps of p and of q.
     share: [f32; 2],
-    /// Sharpest edge that is allowed.
+    /// Largest Δs that is allowed.
     most: f32,
 }
 
-/// A rim at which the relief turns upward.
+/// An edge of a square and the slopes on both sides of it; concave where `to` is above `from`.
 #[derive(Clone, Copy)]
 struct ConcaveEdge {
-    /// Across which axis it turns: 0 where p changes, 1 where q does.
+    /// Which slope jumps: 0 for p, 1 for q.
     axis: usize,
     from: f32,
     to: f32,
-    /// The slope that both sides have along the rim.
+    /// The slope along the edge, which both sides share.
     along: f32,
 }
 
 impl ConcaveEdge {
-    /// Whether its ends are further apart than the bins `apart`.
+    /// Whether its ends are more than one bin apart.
     #[inline]
-    fn moves_light(self, apart: [f32; 2]) -> bool {
-        self.to - self.from > apart[self.axis]
+    fn moves_light(self, slope_per_bin: [f32; 2]) -> bool {
+        self.to - self.from > slope_per_bin[self.axis]
     }
 
     fn ends(self, bins: &SlopeHistogram) -> [Place; 2] {
@@ -54,14 +64,14 @@ impl ConcaveEdge {
 }
 
 impl ConcaveEdges {
-    /// For the tip of `cutter`, which shall meet no edge sharper than `most`.
+    /// For the tip of `cutter`, where a jump of slope of more than `most` is too sharp.
     pub fn new(lattice: Lattice, cutter: Cutter, most: f64) -> Self {
         let share =
             (cutter.valley_radius() / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
         Self { share, most: most as f32 }
     }
 
-    /// The concave edges at the right side and at the top of square `i`.
+    /// The edges at the right side and at the top of square `i`.
     #[inline]
     fn of(row: &EdgeRow<'_>, i: usize) -> [ConcaveEdge; 2] {
         let ([p0, p1], [q0, q1]) = (row.p, row.q);
@@ -70,29 +80,30 @@ impl ConcaveEdges {
         [x, y]
     }
 
-    /// Moves the light of a row's fillets.
+    /// Adds to `light` what the fillets of a row move: their strips' light less what was there without them.
     pub fn forward(&self, row: &EdgeRow<'_>, bins: &SlopeHistogram, light: &mut [f32]) {
-        let apart = bins.apart();
+        let slope_per_bin = bins.slope_per_bin();
         for i in 0..row.p[0].len() - 1 {
-            for edge in Self::of(row, i).into_iter().filter(|edge| edge.moves_light(apart)) {
+            for edge in Self::of(row, i).into_iter().filter(|edge| edge.moves_light(slope_per_bin)) {
                 let mass = self.share[edge.axis] * (edge.to - edge.from);
                 let [near, far] = edge.ends(bins);
                 bins.splat(light, near, -0.5 * mass);
                 bins.splat(light, far, -0.5 * mass);
-                let (pieces, points) = bins.walk(near, far);
+                let (pieces, points) = bins.points_between(near, far);
                 let each = mass / pieces as f32;
                 points.for_each(|(_, at)| bins.splat(light, at, each));
             }
         }
     }
 
-    /// Toll of a row: about the share of the plate that its fillets take, and more where they are too sharp.
+    /// Penalty of a row: about the share of the plate that its fillets take, and more where they are too sharp.
     pub fn penalty(&self, row: &EdgeRow<'_>) -> f64 {
-        let each = |edge: ConcaveEdge| f64::from(self.share[edge.axis] * self.charge(edge.to - edge.from).0);
+        let each = |edge: ConcaveEdge| f64::from(self.share[edge.axis] * self.jump_cost(edge.to - edge.from).0);
         (0..row.p[0].len() - 1).map(|i| Self::of(row, i).into_iter().map(each).sum::<f64>()).sum()
     }
 
-    /// Adds how Σ `potential` · light + `weight` · penalty answers to a row's edges; returns its penalty.
+    /// Adds to `sums` the gradient of Σ `potential` · light + `weight` · penalty with respect to the slopes of a row's
+    /// edges, as far as its fillets go; returns their penalty.
     pub fn adjoint(
         &self,
         row: &EdgeRow<'_>,
@@ -102,13 +113,13 @@ impl ConcaveEdges {
         sums: &mut EdgeRowSums<'_>,
     ) -> f64 {
         let mut penalty = 0.0;
-        let apart = bins.apart();
+        let slope_per_bin = bins.slope_per_bin();
         for i in 0..row.p[0].len() - 1 {
             for edge in Self::of(row, i).into_iter().filter(|edge| edge.to > edge.from) {
                 let share = self.share[edge.axis];
-                let (cost, rate) = self.charge(edge.to - edge.from);
+                let (cost, rate) = self.jump_cost(edge.to - edge.from);
                 penalty += f64::from(share * cost);
-                let strip = if edge.moves_light(apart) { Self::strip(edge, bins, potential) } else { [0.0; 3] };
+                let strip = if edge.moves_light(slope_per_bin) { Self::strip(edge, bins, potential) } else { [0.0; 3] };
                 let [from, to, along] = strip.map(|v| share * v);
                 let (from, to) = (from - weight * share * rate, to + weight * share * rate);
                 if edge.axis == 0 {
@@ -125,8 +136,8 @@ impl ConcaveEdges {
         penalty
     }
 
-    /// How width · (mean of the potential along the way - mean of its ends) answers to a edge's ends and to the slope
-    /// along its rim.
+    /// Gradient of Δs · (mean of the potential along the fillet - mean of it at both ends) with respect to the slopes
+    /// `from`, `to` and `along`.
     fn strip(edge: ConcaveEdge, bins: &SlopeHistogram, potential: &[f32]) -> [f32; 3] {
         let ends = edge.ends(bins);
         let read = |at: Place| {
@@ -136,7 +147,7 @@ impl ConcaveEdges {
         };
         let [near, far] = ends.map(read);
         let mut sums = [-0.5 * (near[0] + far[0]), -0.5 * near[1], -0.5 * far[1], -0.5 * (near[2] + far[2])];
-        let (pieces, points) = bins.walk(ends[0], ends[1]);
+        let (pieces, points) = bins.points_between(ends[0], ends[1]);
         let each = 1.0 / pieces as f32;
         for (t, at) in points {
             let [value, across, along] = read(at);
@@ -149,16 +160,17 @@ impl ConcaveEdges {
         [width * sums[1] - sums[0], width * sums[2] + sums[0], width * sums[3]]
     }
 
-    /// What a edge costs, and how that grows.
-    fn charge(&self, edge: f32) -> (f32, f32) {
-        if edge <= 0.0 {
+    /// What a jump Δs costs, and the derivative of that: Δs²/(Δs + SOFTNESS), and beyond the largest one allowed
+    /// ½ STIFFNESS · most · (Δs/most - 1)² more.
+    fn jump_cost(&self, jump: f32) -> (f32, f32) {
+        if jump <= 0.0 {
             return (0.0, 0.0);
         }
-        let whole = edge + SOFTNESS;
-        let over = (edge / self.most - 1.0).max(0.0);
+        let whole = jump + SOFTNESS;
+        let over = (jump / self.most - 1.0).max(0.0);
         (
-            edge * edge / whole + 0.5 * STIFFNESS * self.most * over * over,
-            edge * (edge + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
+            jump * jump / whole + 0.5 * STIFFNESS * self.most * over * over,
+            jump * (jump + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
         )
     }
 }

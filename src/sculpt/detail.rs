@@ -1,17 +1,18 @@
-//! On how small patches the light of a relief depends, and what diffraction makes of that.
+//! The width of the smallest patches of a relief that its light depends on, and the blur that diffraction gives them.
 //!
-//! Heights are smoothed by ever wider Gaussians until the light they send is seen to change: detail narrower than such a
-//! Gaussian is not needed, detail as wide as it is. A mirror ℓ wide spreads light of wavelength λ by about λ/ℓ.
+//! Heights are smoothed by ever wider Gaussians until their light changes visibly: detail narrower than such a Gaussian
+//! is not needed, detail as wide as it is. A mirror ℓ wide spreads light of wavelength λ by about λ/ℓ.
 //!
-//! The smallest patch speaks for the finest five hundredth of the light, not for the picture. Sharp edges count as such
-//! patches: rounding one by σ takes a strip about 2σ wide from the mirrors beside it. How much of the picture is at stake
-//! is said by [`diffracted`]: the share of the light whose patches spread it by more than a given blur.
+//! The smallest patch is found from a change of one part in 500 of the light, and says nothing of the rest. Sharp edges
+//! count as such patches: rounding one by σ takes a strip about 2σ wide from the mirrors beside it. [`diffracted`] is the
+//! share of all light whose patches spread it by more than a given blur.
 
 use crate::relief::periodic::PeriodicRelief;
 
 use super::periodic_filter::smoothed;
 
-/// Change of the light, as total variation seen through a blur of 1°, that counts as seen.
+/// Change of the light, as total variation after a blur of 1°, that counts as visible: about twice the error that a
+/// good sheet has there (0.0008, docs/relief.md).
 pub const SEEN: f64 = 0.002;
 
 /// Wavelength of light to which the eye is most sensitive, mm.
@@ -20,20 +21,20 @@ pub const WAVELENGTH: f64 = 0.55e-3;
 /// Width of a Gaussian at half its height, standard deviations: 2 √(2 ln 2).
 const WIDTH: f64 = 2.354_820_045_030_949;
 
-/// Narrowest Gaussian tried, distances of nodes: as wide as the circle in a triangle of the grid, the mirror than which no
-/// written relief has a smaller one.
+/// Narrowest Gaussian tried, in distances of nodes: at half its height as wide as the circle inscribed in a triangle of
+/// the grid, and no mirror of a relief is smaller than that.
 const NARROWEST: f64 = 0.25;
 
 /// Widest Gaussian tried, sides of the cell.
 const WIDEST: f64 = 0.25;
 
-/// Halvings of the range, which is tried on a logarithmic scale: to 2 % of σ.
+/// Halvings of the range of σ on a logarithmic scale, after which it is known to 2 %.
 const HALVINGS: usize = 8;
 
 /// The smallest patch on which light depends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
-    /// Standard deviation of the widest Gaussian by which heights can be smoothed and nobody sees it, mm.
+    /// Standard deviation of the widest Gaussian by which heights can be smoothed without visible change, mm.
     pub sigma: f64,
 }
 
@@ -51,9 +52,9 @@ impl Detail {
 
 /// The smallest patch on which the light of `relief` depends.
 ///
-/// `changed` says of heights of its cell, smoothed, by how much their light differs from that of the heights as they are;
-/// [`SEEN`] is as much as may be. It is called about ten times. `None` if the light stays the same however wide the
-/// Gaussian, as that of a plane does. Where a Gaussian as wide as one triangle already shows, that one is returned.
+/// `changed` returns, for smoothed heights of its cell, the total variation between their light and that of the heights as
+/// they are; [`SEEN`] is the limit. It is called about ten times. `None` if the light stays the same however wide the
+/// Gaussian, as that of a plane does. Where a Gaussian as wide as one triangle already changes it, that one is returned.
 pub fn smallest_detail(relief: &PeriodicRelief, changed: impl Fn(&[f32]) -> f64) -> Option<Detail> {
     let step = relief.step().min_element();
     let is_seen = |sigma: f64| changed(&smoothed(relief, sigma)) > SEEN;

@@ -1,8 +1,9 @@
-//! Where the triangles of a periodic relief send light, and how that answers to the heights.
+//! The light of a periodic relief, as a histogram over slopes, and the gradient of a function of it.
 //!
-//! Every square of the grid is cut along its higher diagonal ([`edge_slopes`](super::edge_slopes)). All triangles have the same
-//! footprint, so each is one point of the slope plane with the same mass. Where the cut turns over, the square is
-//! plane: light answers smoothly.
+//! Every square of the grid is cut along its higher diagonal ([`edge_slopes`](super::edge_slopes)). All triangles have
+//! the same footprint, so that each is a point of the slope plane with the same mass, 1/2n² of the plate. A square whose
+//! higher diagonal changes from one to the other is plane at that moment, and its light the same with either: the light
+//! is a continuous function of the heights.
 
 use rayon::prelude::*;
 
@@ -14,7 +15,7 @@ use super::slope_histogram::{Place, SlopeHistogram};
 pub struct LightModel {
     lattice: Lattice,
     bins: SlopeHistogram,
-    /// Mass of a triangle cut as written, and of one cut the other way.
+    /// Mass of each triangle along the higher diagonals, and along the lower ones.
     mass: [f32; 2],
     concave: Option<ConcaveEdges>,
 }
@@ -22,17 +23,17 @@ pub struct LightModel {
 impl LightModel {
     /// For the triangles of `lattice`.
     ///
-    /// A share `crossed` of the light goes as if squares were cut along their lower diagonals: whoever looks at the
-    /// relief on a grid of points of his own cuts it as he likes. With `concave edges`, a cutter rounds what turns upward.
-    pub fn new(lattice: Lattice, bins: SlopeHistogram, crossed: f64, concave: Option<ConcaveEdges>) -> Self {
+    /// A share `lower` of the light goes as if squares were cut along their lower diagonals: that of a surface whose
+    /// squares may be cut either way (see `objective.rs`). With `concave`, a cutter rounds concave edges.
+    pub fn new(lattice: Lattice, bins: SlopeHistogram, lower: f64, concave: Option<ConcaveEdges>) -> Self {
         let mass = 0.5 / (lattice.n * lattice.n) as f64;
-        Self { lattice, bins, mass: [(mass * (1.0 - crossed)) as f32, (mass * crossed) as f32], concave }
+        Self { lattice, bins, mass: [(mass * (1.0 - lower)) as f32, (mass * lower) as f32], concave }
     }
 
-    /// The light of a relief: shares in the bins, sum 1.
+    /// The light of a relief: the share of the plate in each bin, sum 1.
     pub fn forward(&self, edges: &EdgeSlopes) -> Vec<f32> {
         let bins = &self.bins;
-        let lay = |band: usize| {
+        let splat = |band: usize| {
             let mut light = vec![0.0f32; bins.side * bins.side];
             for j in self.lattice.band(band) {
                 let row = edges.row(j);
@@ -47,7 +48,7 @@ impl LightModel {
             }
             light
         };
-        let bands: Vec<Vec<f32>> = (0..BANDS).into_par_iter().map(lay).collect();
+        let bands: Vec<Vec<f32>> = (0..BANDS).into_par_iter().map(splat).collect();
         let mut light = vec![0.0f32; bins.side * bins.side];
         light.par_chunks_mut(1 << 13).enumerate().for_each(|(k, piece)| {
             for band in &bands {
@@ -57,27 +58,29 @@ impl LightModel {
         light
     }
 
-    /// The gradient with respect to the heights of Σ `potential` · light + `weight` · penalty of the concave edges; and that penalty.
+    /// The gradient with respect to the heights, per mm, of Σ `potential` · light + `weight` · penalty of the concave
+    /// edges; and that penalty.
     pub fn adjoint(&self, edges: &EdgeSlopes, potential: &[f32], weight: f32) -> (Vec<f32>, f64) {
         let bins = &self.bins;
         edges.adjoint(self.lattice, |row, sums| {
             for i in 0..self.lattice.n {
                 let square = row.square(i);
-                let mut answers = [[[0.0; 2]; 2]; 2];
-                for (answers, (mass, places)) in answers.iter_mut().zip(self.triangles(square)) {
+                // Of both cuts and of the lower and the upper triangle, with respect to p and q.
+                let mut gradients = [[[0.0; 2]; 2]; 2];
+                for (gradients, (mass, places)) in gradients.iter_mut().zip(self.triangles(square)) {
                     if mass == 0.0 {
                         continue;
                     }
-                    for (answer, at) in answers.iter_mut().zip(places) {
+                    for (gradient, at) in gradients.iter_mut().zip(places) {
                         let (_, [x, y]) = bins.sample(potential, at);
-                        *answer = bins.to_slope([mass * x, mass * y]);
+                        *gradient = bins.to_slope([mass * x, mass * y]);
                     }
                 }
-                let [kept, crossed] = answers;
-                sums.p[0][i] += kept[0][0] + crossed[0][0];
-                sums.p[1][i] += kept[1][0] + crossed[1][0];
-                let (aside, ahead) = (kept[0][1] + crossed[1][1], kept[1][1] + crossed[0][1]);
-                let (left, right) = if square.rises() { (ahead, aside) } else { (aside, ahead) };
+                let [higher, lower] = gradients;
+                sums.p[0][i] += higher[0][0] + lower[0][0];
+                sums.p[1][i] += higher[1][0] + lower[1][0];
+                let (first, second) = (higher[0][1] + lower[1][1], higher[1][1] + lower[0][1]);
+                let (left, right) = if square.rises() { (second, first) } else { (first, second) };
                 sums.q[0][i] += left;
                 sums.q[0][i + 1] += right;
             }
@@ -92,13 +95,13 @@ impl LightModel {
         rows.iter().sum()
     }
 
-    /// Mass and places of a square's lower and upper triangle, as written and cut the other way.
+    /// Mass and places of a square's lower and upper triangle, cut along the higher diagonal and along the lower one.
     #[inline]
     fn triangles(&self, square: SquareEdges) -> [(f32, [Place; 2]); 2] {
         let SquareEdges { bottom, top, left, right } = square;
-        let (aside, ahead) = if square.rises() { (right, left) } else { (left, right) };
+        let (with_bottom, with_top) = if square.rises() { (right, left) } else { (left, right) };
         let places = |low: f32, up: f32| [self.bins.place(bottom, low), self.bins.place(top, up)];
-        [(self.mass[0], places(aside, ahead)), (self.mass[1], places(ahead, aside))]
+        [(self.mass[0], places(with_bottom, with_top)), (self.mass[1], places(with_top, with_bottom))]
     }
 }
 

@@ -1,8 +1,9 @@
-//! Douglas-Rachford rounds between two wishes: that the slopes are the wanted ones, whatever their places, and that they
-//! are the slopes of a relief that the cutter can make.
+//! A first relief whose slopes are nearly the wanted ones, by Douglas-Rachford iterations between two sets: fields of
+//! slopes that have the wanted distribution, whatever their places, and slopes of reliefs that the cutter can mill.
 //!
-//! The first is met by sliced matching (Pitié, Kokaram, Dahyot 2007): along a direction, every slope moves toward the
-//! wanted one of the same rank. The second by the heights nearest in the least squares, and their closing.
+//! The step to the first set is sliced matching (Pitié, Kokaram, Dahyot 2007): along one direction, every slope moves
+//! toward the wanted one of the same rank. The step to the second is the relief whose slopes are the nearest in the least
+//! squares, and its closing. Unlike a descent, this moves light between parts of the picture with nothing in between.
 
 use std::f64::consts::PI;
 
@@ -18,19 +19,21 @@ use super::closing::Closing;
 use super::edge_slopes::Lattice;
 use super::periodic_filter::PeriodicFilter;
 
-/// Crossed pairs of directions in one matching.
+/// Pairs of perpendicular directions in one sliced matching; the trial programs of the method used 3 as well.
 const PAIRS: usize = 3;
 
-/// Share of the way that slopes go in one matching along one direction.
+/// Share of the way to the slope of the same rank that slopes go at a time. All of it would undo what the direction before
+/// had brought; the trials were run with 0.7, and other values were not compared since.
 const STEP: f64 = 0.7;
 
-/// Marks of the scale on which slopes are ranked.
-const SCALE: usize = 4096;
+/// Bins in which slopes are ranked along a direction: some 0.01° each in a picture 40° wide.
+const RANK_BINS: usize = 4096;
 
-/// Exchanges between the two wishes on one lattice.
+/// The iterations on one lattice.
 pub struct Matching {
     lattice: Lattice,
-    waves: PeriodicFilter,
+    filter: PeriodicFilter,
+    /// Gains of the inverse of ∇ᵀ∇.
     poisson: Vec<f32>,
     wanted: Vec<[f32; 2]>,
 }
@@ -39,35 +42,35 @@ impl Matching {
     /// For `wanted` slopes relative to the mean, one a square of `lattice`, in any order.
     pub fn new(lattice: Lattice, wanted: &[DVec2]) -> Self {
         let n = lattice.n;
-        let waves = PeriodicFilter::new(n);
-        let poisson = waves.gains(|i, j| {
+        let filter = PeriodicFilter::new(n);
+        let poisson = filter.gains(|i, j| {
             let half = |k: usize| 0.5 * frequency(k, n);
             let (x, y) = (half(i).sin() * half(j).cos(), half(j).sin() * half(i).cos());
             let squares = 4.0 * ((x / lattice.step.x).powi(2) + (y / lattice.step.y).powi(2));
-            // Waves whose squares are all level have no heights.
+            // Waves whose squares all have a mean slope of 0 cannot be told from slopes.
             if squares * lattice.step.length_squared() > 1e-9 { 1.0 / squares } else { 0.0 }
         });
-        Self { lattice, waves, poisson, wanted: wanted.iter().map(|s| [s.x as f32, s.y as f32]).collect() }
+        Self { lattice, filter, poisson, wanted: wanted.iter().map(|s| [s.x as f32, s.y as f32]).collect() }
     }
 
-    /// `rounds` exchanges from heights `z`.
+    /// `rounds` iterations from heights `z`, mm.
     pub fn run(&self, z: &mut Vec<f32>, closing: Option<&Closing>, rounds: usize, seed: u64, progress: &Progress) {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut slopes = self.slopes(z);
-        let mut held = slopes.clone();
+        let mut state = slopes.clone();
         for _ in 0..rounds {
             if progress.is_to_finish() {
                 break;
             }
             // x ← x + match(2s - x) - s, s = the slopes of the relief nearest to x.
-            let mut matched: Vec<[f32; 2]> = blend(&slopes, &held, |s, x| 2.0 * s - x);
+            let mut matched: Vec<[f32; 2]> = blend(&slopes, &state, |s, x| 2.0 * s - x);
             for _ in 0..PAIRS {
                 let angle = PI * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
                 self.match_along(&mut matched, angle);
                 self.match_along(&mut matched, angle + 0.5 * PI);
             }
-            held = blend(&blend(&held, &matched, |x, m| x + m), &slopes, |x, s| x - s);
-            *z = self.nearest_relief(&held);
+            state = blend(&blend(&state, &matched, |x, m| x + m), &slopes, |x, s| x - s);
+            *z = self.nearest_relief(&state);
             if let Some(closing) = closing {
                 closing.close(z);
             }
@@ -75,7 +78,7 @@ impl Matching {
         }
     }
 
-    /// Moves slopes along one direction toward the wanted ones of the same rank, both ranked on a fine scale.
+    /// Moves slopes along one direction toward the wanted ones of the same rank.
     fn match_along(&self, slopes: &mut [[f32; 2]], angle: f64) {
         let (c, s) = (angle.cos() as f32, angle.sin() as f32);
         let along = |v: &[f32; 2]| c * v[0] + s * v[1];
@@ -84,30 +87,30 @@ impl Matching {
         };
         let (ours, theirs) = (range(slopes), range(&self.wanted));
         let (low, high) = (ours.0.min(theirs.0), ours.1.max(theirs.1));
-        let per_slope = SCALE as f32 / (high - low);
+        let per_slope = RANK_BINS as f32 / (high - low);
         if !per_slope.is_finite() {
             return;
         }
-        let place = |v: &[f32; 2]| (per_slope * (along(v) - low)).clamp(0.0, SCALE as f32 - 0.001);
-        // Ranks up to each mark of the scale, shares of all.
+        let place = |v: &[f32; 2]| (per_slope * (along(v) - low)).clamp(0.0, RANK_BINS as f32 - 0.001);
+        // The share of all slopes below each bin's lower end.
         let ranks = |of: &[[f32; 2]]| {
-            let mut ranks = vec![0.0f64; SCALE + 1];
+            let mut ranks = vec![0.0f64; RANK_BINS + 1];
             of.iter().for_each(|v| ranks[place(v) as usize + 1] += 1.0 / of.len() as f64);
-            (1..=SCALE).for_each(|k| ranks[k] += ranks[k - 1]);
+            (1..=RANK_BINS).for_each(|k| ranks[k] += ranks[k - 1]);
             ranks
         };
         let (ours, theirs) = (ranks(slopes), ranks(&self.wanted));
-        // Where the wanted slopes of each of our marks' ranks lie, in marks.
-        let mut mark = 0;
+        // Where the wanted slopes have the rank that ours have at each bin's lower end, in bins.
+        let mut bin = 0;
         let wanted: Vec<f32> = ours
             .iter()
             .map(|rank| {
-                while mark + 1 < SCALE && theirs[mark + 1] < *rank {
-                    mark += 1;
+                while bin + 1 < RANK_BINS && theirs[bin + 1] < *rank {
+                    bin += 1;
                 }
-                let width = theirs[mark + 1] - theirs[mark];
-                let within = if width > 0.0 { ((rank - theirs[mark]) / width).clamp(0.0, 1.0) } else { 0.0 };
-                (mark as f64 + within) as f32
+                let width = theirs[bin + 1] - theirs[bin];
+                let within = if width > 0.0 { ((rank - theirs[bin]) / width).clamp(0.0, 1.0) } else { 0.0 };
+                (bin as f64 + within) as f32
             })
             .collect();
         let step = STEP as f32 / per_slope;
@@ -144,7 +147,7 @@ impl Matching {
                 x * (a[0] + c[0] - b[0] - d[0]) + y * (a[1] + b[1] - c[1] - d[1])
             })
             .collect();
-        self.waves.filter(&mut z, n, &self.poisson);
+        self.filter.filter(&mut z, n, &self.poisson);
         z
     }
 }

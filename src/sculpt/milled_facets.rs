@@ -1,8 +1,8 @@
-//! A plate of facets as a ball cutter would leave it: fillets at the foot of walls and along valleys, edges cut clean.
+//! A plate of facets as milled: fillets at the foot of walls and along valleys, ridges and upper edges kept.
 //!
-//! The tool, its grid and its sweeps are those of `tool.rs`, but the plate does not repeat: beyond its rim there is
-//! nothing to stand on, and the ball goes down past it. At a wall the ball rests on the upper edge and on the lower facet:
-//! a step of height h < R ends in an arc √(2Rh - h²) wide, and nothing of the wall is left.
+//! Grid and sweeps are those of `tool.rs`, but the plate does not repeat: beyond its rim nothing carries the cutter, which
+//! goes down past it. At a wall a ball of radius R rests on the upper edge and on the lower facet: a step of height h < R
+//! ends in an arc √(2Rh - h²) wide, and nothing of the wall is left.
 
 use std::ops::Range;
 
@@ -16,10 +16,11 @@ use crate::relief::height_grid::HeightGrid;
 use super::sweep::milled_heights;
 use super::tool::PLACES_ACROSS_CUTTER;
 
-/// Places of the tool over the optical area at the most; more would take gigabytes.
+/// Places of the cutter over the optical area at the most: 64 MB a copy, four of them at a time.
 const MOST: f64 = 1.6e7;
 
-/// Fewer places than this across the ball say nothing of its fillets.
+/// Fewest places across a cutter. With ten, the slopes of a ball's fillet are 0.2 apart: fewer say nothing of where its
+/// light goes.
 const LEAST_ACROSS_CUTTER: f64 = 10.0;
 
 /// The optical area of a plate after the cutter.
@@ -27,7 +28,7 @@ const LEAST_ACROSS_CUTTER: f64 = 10.0;
 pub struct MilledFacets {
     /// The machined surface, a node for each place of the tool.
     pub surface: HeightGrid,
-    /// The most that the cutter stays above the facets, mm.
+    /// The most that the machined surface lies above the facets, mm.
     pub most_left: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Filters of real periodic grids in single precision: half the numbers, half the bytes, twice the lanes.
+//! Filters of real periodic grids in single precision, for the inner loop of the design: a real grid's spectrum has only
+//! half as many numbers of its own, and single precision halves their bytes against [`fourier`](crate::fourier).
 //!
 //! Two rows of real numbers are one row of complex ones; their spectra part again by symmetry, and only the half with
 //! frequencies that are not negative along x is kept.
@@ -13,7 +14,7 @@ use crate::relief::periodic::PeriodicRelief;
 
 use super::edge_slopes::Lattice;
 
-/// Rows of a spectrum that are transposed together.
+/// Rows of a spectrum that are transposed together: as many as fill a cache line of 64 bytes.
 const BAND: usize = 8;
 
 /// A planned filter of `side` × `side` grids whose opposite edges are joined.
@@ -163,6 +164,27 @@ mod tests {
                 let expected = whole[k / width * side + k % width];
                 assert!((f64::from(*v) - expected).abs() < 1e-4, "{side} {k}: {v} {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn a_filter_with_real_gains_is_its_own_transpose_to_rounding() {
+        for (side, width, rows) in [(8, 8, 8), (40, 33, 40), (64, 64, 64)] {
+            let filter = PeriodicFilter::new(side);
+            let gains = filter.gains(|i, j| (-0.1 * (frequency(i, side).powi(2) + frequency(j, side).powi(2))).exp());
+            let grid = |turn: f32| -> Vec<f32> { (0..width * rows).map(|k| (k as f32 * turn).sin()).collect() };
+            let (x, y) = (grid(1.7), grid(0.9));
+            let filtered = |values: &[f32]| {
+                let mut values = values.to_vec();
+                filter.filter(&mut values, width, &gains);
+                values
+            };
+            let inner = |a: &[f32], b: &[f32]| -> (f64, f64) {
+                let products = a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b));
+                products.fold((0.0, 0.0), |(sum, size), v| (sum + v, size + v.abs()))
+            };
+            let ((there, size), (back, _)) = (inner(&filtered(&x), &y), inner(&x, &filtered(&y)));
+            assert!((there - back).abs() < 1e-6 * size, "{side}: {there} {back} of {size}");
         }
     }
 }

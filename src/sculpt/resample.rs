@@ -1,4 +1,4 @@
-//! Heights of a periodic grid on another one.
+//! The triangles of a periodic relief, sampled on another grid.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,5 @@
-//! Bins over the slope plane: light is laid into them bilinearly, and read back from a potential in the same way.
+//! A histogram over the plane of slopes: light is splatted into its bins bilinearly, and a potential over the bins is
+//! interpolated in the same way, so that each is the other's adjoint.
 
 use glam::DMat2;
 
@@ -9,13 +10,15 @@ use super::target::SlopeTarget;
 pub struct SlopeHistogram {
     /// Bins a side.
     pub side: usize,
+    /// Where the mean slope lies, bins.
     middle: [f32; 2],
     /// Bins along x and y per unit of slope p and q, columns p and q.
     per_slope: [[f32; 2]; 2],
+    /// Largest coordinate that still has a bin beyond it.
     last: f32,
 }
 
-/// A place among the bins; the rim stops whatever lies beyond it.
+/// A point of the slope plane in bins; what lies beyond the rim counts as on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// In bins along x.
@@ -25,7 +28,7 @@ pub struct Place {
 }
 
 impl SlopeHistogram {
-    /// The bins of `target`.
+    /// Over the bins of `target`.
     pub fn new(target: &SlopeTarget) -> Self {
         let DMat2 { x_axis, y_axis } = target.per_slope;
         Self {
@@ -43,13 +46,13 @@ impl SlopeHistogram {
         Place { x: self.middle[0] + xp * p + xq * q, y: self.middle[1] + yp * p + yq * q }
     }
 
-    /// Changes of p alone and of q alone that lead one bin further.
+    /// The changes of p alone and of q alone that lead one bin further.
     #[inline]
-    pub fn apart(&self) -> [f32; 2] {
+    pub fn slope_per_bin(&self) -> [f32; 2] {
         self.per_slope.map(|[x, y]| 1.0 / x.abs().max(y.abs()))
     }
 
-    /// A gradient over bins as one over slopes.
+    /// A gradient with respect to bins as one with respect to slopes.
     #[inline]
     pub fn to_slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [[xp, yp], [xq, yq]] = self.per_slope;
@@ -58,14 +61,15 @@ impl SlopeHistogram {
 
     #[inline(always)]
     fn corner(&self, at: Place) -> (usize, f32, f32) {
-        // Written so that what is not a number lands at the rim.
+        // In this order, a coordinate that is not a number becomes 0.
         let (x, y) = (at.x.max(0.0).min(self.last), at.y.max(0.0).min(self.last));
         // To and from i32 there are single instructions, to and from usize there are not.
         let (i, j) = (x as i32, y as i32);
         (j as usize * self.side + i as usize, x - i as f32, y - j as f32)
     }
 
-    /// Lays `mass` into the four bins around a place.
+    /// Adds `mass` to the four bins around a place, to each the more the nearer it is. Of [`bilinear_weights`](crate::raster::bilinear_weights)'s
+    /// products these are the same with fewer multiplications.
     #[inline(always)]
     pub fn splat(&self, light: &mut [f32], at: Place, mass: f32) {
         let (k, a, b) = self.corner(at);
@@ -88,10 +92,11 @@ impl SlopeHistogram {
         (lower + b * (upper - lower), [along, upper - lower])
     }
 
-    /// Midpoints of even pieces of the way from one place to another, each with its share of the way.
-    pub fn walk(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
+    /// How many equal pieces the line between two places is cut into, and the middle of each with its share of the way.
+    pub fn points_between(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
-        // About two bins a piece: potentials are smooth over as many, and so is light that is seen through a blur.
+        // About two bins a piece: no blur of the design is narrower than two bins (see `Work::objective`), so that
+        // neither the potential nor the blurred light tells such pieces from a line.
         let pieces = (0.5 * dx.abs().max(dy.abs()) + 1.0).min(2.0 * self.side as f32) as i32;
         let each = 1.0 / pieces as f32;
         let points = (0..pieces).map(move |k| {

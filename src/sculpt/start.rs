@@ -1,4 +1,4 @@
-//! First reliefs, from which the design descends: which one suits depends on the picture, so several are tried.
+//! First reliefs, from which the design descends: which one ends best depends on the picture, so that several are tried.
 
 use glam::DVec2;
 use rand::{Rng, SeedableRng};
@@ -23,7 +23,10 @@ pub enum Start {
 }
 
 impl Start {
-    /// What is worth trying: for a cutter with as few valleys as can be, for a shallow relief with many hills.
+    /// What is worth trying: with few valleys for a cutter, with many hills for a shallow relief.
+    ///
+    /// Thin shapes end best from a cone, letters from a roof (a letter F reached a total variation of 0.010 so, and 0.029
+    /// from hills), photographs from hills. More hills of the same slopes are lower in proportion.
     pub fn suitable(to_cut: bool, shallow: bool) -> &'static [Self] {
         match (to_cut, shallow) {
             (true, false) => &[Self::Hills(1), Self::Cone, Self::Roof],
@@ -38,6 +41,8 @@ impl Start {
         let side = lattice.step * n as f64;
         let at = |k: usize| side * (DVec2::new((k % n) as f64 + 0.5, (k / n) as f64 + 0.5) / n as f64 - 0.5);
         match self {
+            // √2 times the spread on the flanks has the spread as its mean square along either axis. The tip is rounded over
+            // 0.3 % of the side, since a sharp one would be a point that no descent moves.
             Self::Cone => (0..n * n)
                 .map(|k| {
                     let rounding = (0.003 * side * spread).length();
@@ -49,12 +54,14 @@ impl Start {
                 let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ u64::from(hills));
                 let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
                 let mut z: Vec<f32> = (0..n * n).map(|_| unit() as f32).collect();
-                let waves = PeriodicFilter::new(n);
-                let gains = waves.gains(|i, j| {
+                let filter = PeriodicFilter::new(n);
+                // Waves of about as many periods a side as hills are wanted, within a standard deviation of 0.7 periods:
+                // narrow enough to count, wide enough not to repeat.
+                let gains = filter.gains(|i, j| {
                     let k = frequency(i, n).hypot(frequency(j, n)) * n as f64 / std::f64::consts::TAU;
                     (-(k - f64::from(hills)).powi(2) / (2.0 * 0.7 * 0.7)).exp()
                 });
-                waves.filter(&mut z, n, &gains);
+                filter.filter(&mut z, n, &gains);
                 let squares = |dx: usize, dy: usize, step: f64| {
                     let change = |k: usize| z[(k / n + dy) % n * n + (k % n + dx) % n] - z[k];
                     let sum: f64 = (0..n * n).map(|k| f64::from(change(k)).powi(2)).sum();

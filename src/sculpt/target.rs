@@ -1,26 +1,31 @@
-//! The wanted slopes on a plane where lengths are degrees of the highlight image.
+//! The wanted slopes as a histogram on a plane whose unit is a degree of the highlight image.
 //!
-//! The image of a slope is nearly a linear map of it: laid out by its derivative at the mean slope, a step on the plane
-//! is the step in degrees that the eye sees near the middle of the picture, and triangles of a relief fall on it by four
-//! multiplications. Pixels of the drawing are carried over by the exact map, in pieces smaller than a bin.
+//! Where a slope's light falls in the image is nearly a linear function of the slope. The plane takes it as linear, with
+//! the derivative at the mean slope: a distance on it is the distance in degrees that is seen near the middle of the
+//! picture, and the slope of a triangle is placed by four multiplications. Pixels of the drawing are carried over by the
+//! exact map, in pieces smaller than a bin.
 
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
 use crate::distribution::SlopeDistribution;
 use crate::projection::View;
-use crate::raster::Raster;
+use crate::raster::{Raster, bilinear_weights};
 use crate::slope::Slope;
 
-/// Dark degrees around the picture, so that what strays is pulled back.
+/// Degrees without wanted light around the picture, so that light falling there is followed. Beyond, it counts as on the rim
+/// and keeps the gradient that it would have there: no derivative, but still a pull toward the picture. A wider margin takes
+/// more bins, that is time.
 const MARGIN: f64 = 4.0;
 
-/// Bins a side at the most; wide pictures get wider bins.
+/// Bins a side at the most; wide pictures get wider bins. Pictures up to 72° wide still have
+/// the finest bins, of 0.125°.
 const MOST_BINS: usize = 640;
 
-/// Light landing on the slope plane: mass at a place in degrees relative to that of the mean slope.
+/// A share of the plate that shall have one slope.
 #[derive(Clone, Copy, Debug)]
 struct WeightedSlope {
+    /// Where its light falls relative to that of the mean slope, degrees.
     at: DVec2,
     mass: f64,
 }
@@ -28,8 +33,11 @@ struct WeightedSlope {
 /// What slopes a relief shall have, ready to be binned as finely as a stage of the design needs.
 pub struct SlopePlane {
     slopes: Vec<WeightedSlope>,
+    /// Degrees per unit of slope.
     degrees: DMat2,
+    /// Lower left corner of the histogram, degrees.
     low: DVec2,
+    /// Side of the histogram, degrees.
     extent: f64,
 }
 
@@ -39,7 +47,7 @@ pub struct SlopeTarget {
     pub side: usize,
     /// Width of a bin, degrees.
     pub bin: f64,
-    /// Shares, rows along the first axis, sum 1; a bin's share is that of a tent two bins wide around its middle.
+    /// Shares, rows along the first axis, sum 1, splatted as the relief's light is.
     pub wanted: Vec<f32>,
     /// Bins per unit of slope.
     pub per_slope: DMat2,
@@ -94,10 +102,9 @@ impl SlopePlane {
             let (i, j) = (at.x as usize, at.y as usize);
             let (a, b) = (at.x - i as f64, at.y - j as f64);
             let place = &mut wanted[j * side + i..];
-            place[0] += slope.mass * (1.0 - a) * (1.0 - b);
-            place[1] += slope.mass * a * (1.0 - b);
-            place[side] += slope.mass * (1.0 - a) * b;
-            place[side + 1] += slope.mass * a * b;
+            for (k, weight) in [0, 1, side, side + 1].into_iter().zip(bilinear_weights(a, b)) {
+                place[k] += slope.mass * weight;
+            }
         }
         let total: f64 = wanted.iter().sum();
         SlopeTarget {
@@ -114,7 +121,7 @@ impl SlopePlane {
         self.degrees
     }
 
-    /// `n` slopes relative to the mean that stand for the target, equal shares each, in no particular order.
+    /// `n` slopes relative to the mean, of equal shares each, that have the target's distribution; in no particular order.
     pub fn samples(&self, n: usize) -> Vec<DVec2> {
         let back = self.degrees.inverse();
         let total: f64 = self.slopes.iter().map(|m| m.mass).sum();

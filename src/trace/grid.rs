@@ -7,20 +7,20 @@
 
 use glam::{DVec2, DVec3};
 
-use super::cones::Cones;
-use super::height_field::{HeightField, Nodes, Planes, Stretch};
-use super::lines::Lines;
-use super::{Hit, Kind, Surface};
+use super::escape_bounds::EscapeBounds;
+use super::grid_lines::GridLines;
+use super::height_field::{FacetPlanes, HeightField, NodeTriangles, Stretch};
+use super::{Hit, PieceKind, Surface};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
 
 /// A relief on a grid, ready for rays.
 #[derive(Clone, Debug)]
-pub struct GridSurface<F = Planes> {
-    x: Lines,
-    y: Lines,
+pub struct GridSurface<F = FacetPlanes> {
+    x: GridLines,
+    y: GridLines,
     field: F,
-    cones: Cones,
+    escape: EscapeBounds,
     optical: (DVec2, DVec2),
     heights: (f64, f64),
     periodic: bool,
@@ -28,7 +28,7 @@ pub struct GridSurface<F = Planes> {
 
 /// A cell, and what of it a path stands on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cell {
+pub struct GridPlace {
     i: u32,
     j: u32,
     face: Face,
@@ -57,11 +57,11 @@ impl Face {
         Self(Self::OUTER + side as u8)
     }
 
-    fn kind(self) -> Kind {
+    fn kind(self) -> PieceKind {
         match self.0 {
-            0..Self::WALLS => Kind::Relief,
-            Self::WALLS..Self::OUTER => Kind::Wall,
-            _ => Kind::Outer,
+            0..Self::WALLS => PieceKind::Relief,
+            Self::WALLS..Self::OUTER => PieceKind::Wall,
+            _ => PieceKind::Outer,
         }
     }
 
@@ -80,11 +80,17 @@ enum Side {
     South,
 }
 
-impl GridSurface<Planes> {
+impl GridSurface<FacetPlanes> {
     /// The facets of `relief` and the walls between them.
     pub fn new(relief: &FacetedRelief) -> Self {
-        Self::over(Lines::new(&relief.x), Lines::new(&relief.y), Planes::new(relief), relief.height_range(), false)
-            .lit_within(relief.optical_area())
+        Self::over(
+            GridLines::new(&relief.x),
+            GridLines::new(&relief.y),
+            FacetPlanes::new(relief),
+            relief.height_range(),
+            false,
+        )
+        .lit_within(relief.optical_area())
     }
 
     /// The same relief repeated without end in both directions, walls where plate meets plate.
@@ -93,20 +99,26 @@ impl GridSurface<Planes> {
     }
 }
 
-impl GridSurface<Nodes> {
+impl GridSurface<NodeTriangles> {
     /// The triangles of a sheet.
     pub fn continuous(grid: &HeightGrid) -> Self {
-        Self::over(Lines::new(&grid.x), Lines::new(&grid.y), Nodes::new(grid), grid.height_range(), false)
+        Self::over(
+            GridLines::new(&grid.x),
+            GridLines::new(&grid.y),
+            NodeTriangles::new(grid),
+            grid.height_range(),
+            false,
+        )
     }
 }
 
 impl<F: HeightField> GridSurface<F> {
-    fn over(x: Lines, y: Lines, field: F, heights: (f64, f64), periodic: bool) -> Self {
+    fn over(x: GridLines, y: GridLines, field: F, heights: (f64, f64), periodic: bool) -> Self {
         let columns = x.intervals();
         let tops: Vec<f64> = (0..columns * y.intervals()).map(|k| field.top(k % columns, k / columns)).collect();
-        let cones = Cones::new(&tops, columns, x.shortest().min(y.shortest()), periodic);
+        let escape = EscapeBounds::new(&tops, columns, x.shortest().min(y.shortest()), periodic);
         let optical = (DVec2::new(x.ends().0, y.ends().0), DVec2::new(x.ends().1, y.ends().1));
-        Self { x, y, field, cones, optical, heights, periodic }
+        Self { x, y, field, escape, optical, heights, periodic }
     }
 
     /// The same relief repeated without end in both directions, walls where copies meet at different heights.
@@ -121,7 +133,7 @@ impl<F: HeightField> GridSurface<F> {
 
     /// Memory that the surface takes, bytes.
     pub fn bytes(&self) -> usize {
-        self.x.bytes() + self.y.bytes() + self.field.bytes() + self.cones.bytes()
+        self.x.bytes() + self.y.bytes() + self.field.bytes() + self.escape.bytes()
     }
 
     fn columns(&self) -> usize {
@@ -132,7 +144,7 @@ impl<F: HeightField> GridSurface<F> {
         self.y.intervals()
     }
 
-    /// Cell and piece of facet `k`.
+    /// GridPlace and piece of facet `k`.
     fn split(&self, k: usize) -> (usize, usize, u8) {
         let cell = k / F::PIECES;
         (cell % self.columns(), cell / self.columns(), (k % F::PIECES) as u8)
@@ -152,7 +164,7 @@ impl<F: HeightField> GridSurface<F> {
 
     /// What a ray from `origin` straight down meets.
     #[inline]
-    fn below(&self, origin: DVec3) -> Option<Hit<Cell>> {
+    fn below(&self, origin: DVec3) -> Option<Hit<GridPlace>> {
         let (low, high) = self.corners();
         let mut at = origin.truncate();
         if !(at.cmpge(low) & at.cmple(high)).all() {
@@ -201,10 +213,10 @@ impl<F: HeightField> GridSurface<F> {
 
     /// Follows the ray from `from` (inside cell (i, j), on or above its surface) to its next hit.
     #[inline]
-    fn walk(&self, mut i: usize, mut j: usize, mut from: DVec3, d: DVec3) -> Option<Hit<Cell>> {
-        let level = Cones::level(d);
+    fn walk(&self, mut i: usize, mut j: usize, mut from: DVec3, d: DVec3) -> Option<Hit<GridPlace>> {
+        let level = EscapeBounds::level(d);
         let escapes = |i: usize, j: usize, z: f64| {
-            level.is_some_and(|level| z >= self.cones.bound(j * self.columns() + i, level))
+            level.is_some_and(|level| z >= self.escape.bound(j * self.columns() + i, level))
                 && self.field.clears(i, j, d)
         };
         if escapes(i, j, from.z) {
@@ -266,7 +278,7 @@ impl<F: HeightField> GridSurface<F> {
 }
 
 /// The cell index on the other side of the period if `next` is beyond the lines, `at` moved there.
-fn wrapped(at: &mut f64, next: usize, lines: &Lines) -> usize {
+fn wrapped(at: &mut f64, next: usize, lines: &GridLines) -> usize {
     if next < lines.intervals() {
         return next;
     }
@@ -276,8 +288,8 @@ fn wrapped(at: &mut f64, next: usize, lines: &Lines) -> usize {
     if westward { lines.intervals() - 1 } else { 0 }
 }
 
-fn hit(point: DVec3, i: usize, j: usize, face: Face) -> Hit<Cell> {
-    Hit { point, place: Cell { i: i as u32, j: j as u32, face } }
+fn hit(point: DVec3, i: usize, j: usize, face: Face) -> Hit<GridPlace> {
+    Hit { point, place: GridPlace { i: i as u32, j: j as u32, face } }
 }
 
 /// Steps lower than this, in mm, are rounding and not walls.
@@ -287,10 +299,10 @@ const SEAM: f64 = 1e-12;
 const MOST_PERIODS: usize = 1000;
 
 impl<F: HeightField> Surface for GridSurface<F> {
-    type Place = Cell;
+    type Place = GridPlace;
 
     #[inline]
-    fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit<Cell>> {
+    fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit<GridPlace>> {
         if direction.x == 0.0 && direction.y == 0.0 && direction.z < 0.0 && origin.z >= self.heights.1 {
             return self.below(origin);
         }
@@ -311,13 +323,13 @@ impl<F: HeightField> Surface for GridSurface<F> {
     }
 
     #[inline]
-    fn next(&self, from: &Hit<Cell>, direction: DVec3) -> Option<Hit<Cell>> {
+    fn next(&self, from: &Hit<GridPlace>, direction: DVec3) -> Option<Hit<GridPlace>> {
         self.walk(from.place.i as usize, from.place.j as usize, from.point, direction)
     }
 
     #[inline]
-    fn normal(&self, place: Cell) -> DVec3 {
-        if place.face.kind() != Kind::Relief {
+    fn normal(&self, place: GridPlace) -> DVec3 {
+        if place.face.kind() != PieceKind::Relief {
             return place.face.upright();
         }
         let (p, q) = self.field.gradient(place.i as usize, place.j as usize, place.face.0);
@@ -325,7 +337,7 @@ impl<F: HeightField> Surface for GridSurface<F> {
     }
 
     #[inline]
-    fn kind(&self, place: Cell) -> Kind {
+    fn kind(&self, place: GridPlace) -> PieceKind {
         place.face.kind()
     }
 
@@ -343,11 +355,11 @@ impl<F: HeightField> Surface for GridSurface<F> {
         if whole { self.columns() * self.rows() * F::PIECES } else { 0 }
     }
 
-    fn facet(&self, k: usize) -> Option<(Cell, f64)> {
+    fn facet(&self, k: usize) -> Option<(GridPlace, f64)> {
         let (i, j, piece) = self.split(k);
         let (low, high) = self.lit(i, j);
         let footprint = (high - low).max(DVec2::ZERO).element_product() / F::PIECES as f64;
-        Some((Cell { i: i as u32, j: j as u32, face: Face::piece(piece) }, footprint))
+        Some((GridPlace { i: i as u32, j: j as u32, face: Face::piece(piece) }, footprint))
     }
 
     fn point_on(&self, k: usize, u: [f64; 2]) -> DVec3 {

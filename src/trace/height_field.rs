@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
 
-use super::lines::Lines;
+use super::grid_lines::GridLines;
 
 /// A ray's way over one cell: points `from + t direction` for t from `entered` to `left`, the first of them not below the
 /// cell's surface.
@@ -59,7 +59,7 @@ pub trait HeightField: Sync {
 
 /// One plane a cell: z = z0 + p x + q y.
 #[derive(Clone, Debug)]
-pub struct Planes {
+pub struct FacetPlanes {
     planes: Vec<Plane>,
     tops: Vec<f32>,
     columns: usize,
@@ -93,7 +93,7 @@ impl Plane {
     }
 }
 
-impl Planes {
+impl FacetPlanes {
     /// The facets of `relief`.
     pub fn new(relief: &FacetedRelief) -> Self {
         let columns = relief.columns();
@@ -117,7 +117,7 @@ impl Planes {
     }
 }
 
-impl HeightField for Planes {
+impl HeightField for FacetPlanes {
     const PIECES: usize = 1;
 
     #[inline]
@@ -163,21 +163,21 @@ impl HeightField for Planes {
 ///
 /// Piece 0 is the triangle below the cut, piece 1 the one above it.
 #[derive(Clone, Debug)]
-pub struct Nodes {
-    x: Lines,
-    y: Lines,
+pub struct NodeTriangles {
+    x: GridLines,
+    y: GridLines,
     heights: Vec<f64>,
     /// Which squares are cut from lower left to upper right; a row of squares after the other.
     rising: Vec<bool>,
 }
 
-impl Nodes {
+impl NodeTriangles {
     /// The triangles of `grid`.
     pub fn new(grid: &HeightGrid) -> Self {
         let HeightGrid { x, y, heights, rising } = grid;
         assert_eq!(heights.len(), x.len() * y.len(), "one height a node");
         assert_eq!(rising.len(), (x.len() - 1) * (y.len() - 1), "one cut a square");
-        Self { x: Lines::new(x), y: Lines::new(y), heights: heights.clone(), rising: rising.clone() }
+        Self { x: GridLines::new(x), y: GridLines::new(y), heights: heights.clone(), rising: rising.clone() }
     }
 
     fn node(&self, i: usize, j: usize) -> f64 {
@@ -212,7 +212,7 @@ impl Nodes {
     }
 }
 
-impl HeightField for Nodes {
+impl HeightField for NodeTriangles {
     const PIECES: usize = 2;
 
     #[inline]

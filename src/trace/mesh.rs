@@ -29,7 +29,7 @@ use obvhs::{
     traverse,
 };
 
-use super::{Hit, Kind, Surface};
+use super::{Hit, PieceKind, Surface};
 use crate::relief::mesh::Mesh;
 
 /// A triangle faces up, or down, only beyond this part of its unit normal along z; in between it is vertical.
@@ -49,13 +49,13 @@ const RUN_UP: f64 = 2e-4;
 
 /// A triangle mesh with a tree of boxes over it.
 ///
-/// Kinds are the referee's: [`Kind::Relief`] for normal.z > 1e-3; [`Kind::Outer`] for normal.z < -1e-3 and for
-/// triangles with all corners on one side of the xy bounding box; [`Kind::Wall`] for the other vertical ones.
+/// Kinds are the referee's: [`PieceKind::Relief`] for normal.z > 1e-3; [`PieceKind::Outer`] for normal.z < -1e-3 and for
+/// triangles with all corners on one side of the xy bounding box; [`PieceKind::Wall`] for the other vertical ones.
 #[derive(Clone)]
 pub struct MeshSurface {
     /// In the order of the tree's leaves, in single precision as they are in the file: exact, and half the memory.
     triangles: Vec<[[f32; 3]; 3]>,
-    kinds: Vec<Kind>,
+    kinds: Vec<PieceKind>,
     /// Over the box around all vertices, moved to the origin and shrunk to a diagonal of 1.
     tree: CwBvh,
     /// Levels of the tree, and so the most that its search must remember.
@@ -99,7 +99,7 @@ impl MeshSurface {
             let Some(kind) = classify(&corners, low, high) else { continue };
             let (below, above) =
                 (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-            if kind == Kind::Relief {
+            if kind == PieceKind::Relief {
                 lowest = lowest.min(below.z);
             }
             let scaled = |v: DVec3, widen: f64| ((v - centre) / diagonal + widen).as_vec3a();
@@ -243,7 +243,7 @@ impl Surface for MeshSurface {
         (b - a).cross(c - a).normalize()
     }
 
-    fn kind(&self, place: u32) -> Kind {
+    fn kind(&self, place: u32) -> PieceKind {
         self.kinds[place as usize]
     }
 
@@ -290,7 +290,7 @@ fn levels(tree: &CwBvh) -> usize {
 }
 
 /// The kind of a triangle in a mesh with the given box, or none if it has no area.
-fn classify(corners: &[DVec3; 3], low: DVec3, high: DVec3) -> Option<Kind> {
+fn classify(corners: &[DVec3; 3], low: DVec3, high: DVec3) -> Option<PieceKind> {
     let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     let length = cross.length();
     if length == 0.0 {
@@ -300,11 +300,11 @@ fn classify(corners: &[DVec3; 3], low: DVec3, high: DVec3) -> Option<Kind> {
     let on_side = |axis: usize, side: DVec3| corners.iter().all(|v| (v[axis] - side[axis]).abs() < tolerance);
     let up = cross.z / length;
     Some(if up < -UPRIGHT || [0, 1].iter().any(|&axis| on_side(axis, low) || on_side(axis, high)) {
-        Kind::Outer
+        PieceKind::Outer
     } else if up <= UPRIGHT {
-        Kind::Wall
+        PieceKind::Wall
     } else {
-        Kind::Relief
+        PieceKind::Relief
     })
 }
 
@@ -359,6 +359,7 @@ fn unit(direction: DVec3) -> Option<DVec3> {
 
 /// Why a mesh cannot be traced.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MeshSurfaceError {
     /// No triangles at all.
     #[error("the mesh has no triangles")]

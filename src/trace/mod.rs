@@ -1,8 +1,8 @@
 //! Rays over a surface: what they meet first, and next.
 
-pub mod lines;
+pub mod grid_lines;
 
-pub mod cones;
+pub mod escape_bounds;
 
 pub mod height_field;
 
@@ -10,15 +10,15 @@ pub mod grid;
 
 pub mod mesh;
 
-pub mod traced_plate;
-
 pub mod path;
+
+pub mod traced_plate;
 
 use glam::{DVec2, DVec3};
 
 /// What a piece of surface is, for the accounting of light. The rules are those of the independent referee.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum PieceKind {
     /// Faces up: normal.z > 1e-3.
     Relief,
     /// Vertical, inside the plate: |normal.z| <= 1e-3.
@@ -54,7 +54,7 @@ pub trait Surface: Sync {
     fn normal(&self, place: Self::Place) -> DVec3;
 
     /// What a piece is.
-    fn kind(&self, place: Self::Place) -> Kind;
+    fn kind(&self, place: Self::Place) -> PieceKind;
 
     /// Lower-left and upper-right corner of the optical area, mm.
     fn optical_area(&self) -> (DVec2, DVec2);
@@ -81,4 +81,16 @@ pub trait Surface: Sync {
 
     /// Lowest and highest z at which light inside the optical area can meet the relief, mm.
     fn height_range(&self) -> (f64, f64);
+
+    /// The middle of the optical area, halfway between lowest and highest, mm.
+    fn middle(&self) -> DVec3 {
+        let ((low, high), (bottom, top)) = (self.optical_area(), self.height_range());
+        (0.5 * (low + high)).extend(0.5 * (bottom + top))
+    }
+
+    /// The corners of the optical area, mm.
+    fn corners(&self) -> [DVec2; 4] {
+        let (low, high) = self.optical_area();
+        [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)]
+    }
 }

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Hit, Kind, Surface};
+use super::{Hit, PieceKind, Surface};
 use crate::brdf::material::Material;
 use crate::projection::carried_axes;
 use crate::slope::mirror;
@@ -44,7 +44,7 @@ pub struct End {
 /// Follows paths over one surface.
 ///
 /// Neighbouring paths often meet the same piece from the same side: what a smooth material makes of it is remembered.
-pub struct Follower<'a, S: Surface> {
+pub struct PathFollower<'a, S: Surface> {
     surface: &'a S,
     material: &'a Material,
     max_bounces: u32,
@@ -62,7 +62,7 @@ struct Reflection<Place> {
     share: f64,
 }
 
-impl<'a, S: Surface> Follower<'a, S> {
+impl<'a, S: Surface> PathFollower<'a, S> {
     /// At most `max_bounces` reflections a path.
     pub fn new(surface: &'a S, material: &'a Material, max_bounces: u32) -> Self {
         Self { surface, material, max_bounces, last: None }
@@ -113,7 +113,7 @@ impl<'a, S: Surface> Follower<'a, S> {
             let normal = surface.normal(place);
             let cosine = -along.dot(normal);
             let end = if cosine > 0.0 {
-                (surface.kind(place) == Kind::Outer).then_some(Fate::Outer)
+                (surface.kind(place) == PieceKind::Outer).then_some(Fate::Outer)
             } else {
                 Some(Fate::Backface)
             };

@@ -5,16 +5,16 @@ use crate::relief::recognise::{Recognised, recognise};
 
 use super::Surface;
 use super::grid::GridSurface;
-use super::height_field::{Nodes, Planes};
+use super::height_field::{FacetPlanes, NodeTriangles};
 use super::mesh::{MeshSurface, MeshSurfaceError};
 
 /// A plate ready for rays: on its grid if its relief stands on one, else as triangles in a tree.
 #[derive(Clone)]
 pub enum TracedPlate {
     /// A plane over each rectangle of a grid.
-    Facets(GridSurface<Planes>),
+    Facets(GridSurface<FacetPlanes>),
     /// Two triangles over each rectangle of a grid.
-    Heights(GridSurface<Nodes>),
+    Heights(GridSurface<NodeTriangles>),
     /// Any triangles.
     Mesh(Box<MeshSurface>),
 }

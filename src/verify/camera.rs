@@ -62,7 +62,7 @@ impl Shape {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Where it is, mm.
-    pub eye: DVec3,
+    pub position: DVec3,
     right: DVec3,
     up: DVec3,
     forward: DVec3,
@@ -76,7 +76,7 @@ impl Camera {
         let (right, up) = carried_axes(toward);
         let size = DVec2::new(size[0] as f64, size[1] as f64);
         let reach = size / size.max_element() * (0.5 * field_of_view).tan();
-        Self { eye: target + distance * toward, right, up, forward: -toward, reach }
+        Self { position: target + distance * toward, right, up, forward: -toward, reach }
     }
 
     /// The unit direction seen at `uv` in [-1, 1]², u right, v up.
@@ -97,7 +97,7 @@ mod tests {
         let target = DVec3::new(3.0, 2.0, 1.0);
         for toward in [DVec3::Z, direction(0.8, 4.0)] {
             let camera = Camera::new(target, toward, 200.0, 0.5, [40, 30]);
-            assert!((camera.eye + 200.0 * camera.direction(DVec2::ZERO) - target).length() < 1e-9);
+            assert!((camera.position + 200.0 * camera.direction(DVec2::ZERO) - target).length() < 1e-9);
             let angle = camera.direction(DVec2::X).angle_between(camera.direction(-DVec2::X));
             assert!((angle - 0.5).abs() < 1e-12);
             let up = camera.direction(DVec2::Y).angle_between(-toward);
@@ -109,24 +109,24 @@ mod tests {
 
     #[test]
     fn shapes_are_met_from_outside_with_axes_of_a_globe() {
-        let eye = DVec3::new(0.0, 0.0, 50.0);
+        let from = DVec3::new(0.0, 0.0, 50.0);
         for shape in [Shape::Sphere { radius: 10.0 }, Shape::Cylinder { radius: 10.0 }] {
-            let frame = shape.frame(eye, -DVec3::Z).unwrap();
+            let frame = shape.frame(from, -DVec3::Z).unwrap();
             assert!((frame - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-12));
-            assert_eq!(shape.frame(eye, DVec3::Z), None);
-            assert_eq!(shape.frame(eye, DVec3::X), None);
-            let d = (DVec3::new(6.0, 0.0, 8.0) - eye).normalize();
-            let frame = shape.frame(eye, d).unwrap();
+            assert_eq!(shape.frame(from, DVec3::Z), None);
+            assert_eq!(shape.frame(from, DVec3::X), None);
+            let d = (DVec3::new(6.0, 0.0, 8.0) - from).normalize();
+            let frame = shape.frame(from, d).unwrap();
             assert!((frame.z_axis - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-12);
             assert!((frame.x_axis - DVec3::new(0.8, 0.0, -0.6)).length() < 1e-12);
             assert!((frame.y_axis - DVec3::Y).length() < 1e-12);
         }
         // Of a cylinder the height plays no part.
-        let d = (DVec3::new(6.0, 20.0, 8.0) - eye).normalize();
-        let frame = Shape::Cylinder { radius: 10.0 }.frame(eye, d).unwrap();
+        let d = (DVec3::new(6.0, 20.0, 8.0) - from).normalize();
+        let frame = Shape::Cylinder { radius: 10.0 }.frame(from, d).unwrap();
         assert!((frame.z_axis - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-12);
         let pole = Shape::Sphere { radius: 1.0 }.frame(DVec3::Y * 9.0, -DVec3::Y).unwrap();
         assert!(pole.is_finite() && (pole.determinant() - 1.0).abs() < 1e-12);
-        assert_eq!(Shape::Flat.frame(eye, -DVec3::Z), None);
+        assert_eq!(Shape::Flat.frame(from, -DVec3::Z), None);
     }
 }

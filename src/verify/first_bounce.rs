@@ -10,54 +10,55 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::measure::{Experiment, Measuring, Pixels, Screen, sent};
+use super::experiment::{Experiment, LastPixel, Measuring, Sensor};
+use super::follow::follow_to_sensor;
 use super::tally::{PARTS, Tally};
 use crate::progress::Progress;
 use crate::slope::mirror;
-use crate::trace::path::{End, Fate, Follower};
-use crate::trace::{Hit, Kind, Surface};
+use crate::trace::path::{End, Fate, PathFollower};
+use crate::trace::{Hit, PieceKind, Surface};
 
 /// Least tilt of the light at which walls are lit.
 const SLANT: f64 = 1e-9;
 
-/// Tallies in mm² of horizontal area, [`PARTS`] of them.
-pub(super) fn parts<S: Surface, C: Screen>(
+/// Tallies in mm² of horizontal area, [`PARTS`] of them, of light that all comes from `light` (a unit vector).
+pub(super) fn parts<S: Surface, C: Sensor>(
     experiment: &Experiment<'_, S>,
-    screen: &C,
+    light: DVec3,
+    sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
-    let light = experiment.setup.light();
     let slanting = light.truncate().length() > SLANT;
     // Half of the rays for what little meets walls: there each counts in full.
     let rays = if slanting { measuring.rays / 2 } else { measuring.rays };
     let measuring = Measuring { rays: rays.max(PARTS as u64), ..*measuring };
-    let mut tallies = over_facets(experiment, screen, &measuring, progress);
+    let mut tallies = over_facets(experiment, light, sensor, &measuring, progress);
     if slanting {
-        let walls = sent(experiment, screen, &measuring, |kind| kind == Kind::Wall, progress);
+        let walls = follow_to_sensor(experiment, sensor, &measuring, |kind| kind == PieceKind::Wall, progress);
         tallies.iter_mut().zip(&walls).for_each(|(tally, more)| tally.add(more, 1.0));
     }
     tallies
 }
 
-fn over_facets<S: Surface, C: Screen>(
+fn over_facets<S: Surface, C: Sensor>(
     experiment: &Experiment<'_, S>,
-    screen: &C,
+    light: DVec3,
+    sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Vec<Tally> {
     let &Experiment { surface, ref material, .. } = experiment;
-    let light = experiment.setup.light();
     let beams = Beams::new(surface, light);
     let step = beams.whole() / measuring.rays as f64;
-    let known = closed_form(experiment, screen, &beams, progress);
+    let known = closed_form(experiment, light, sensor, &beams, progress);
     let samples = beams.turn(beams.whole(), step, measuring.seed);
     (0..PARTS)
         .into_par_iter()
         .map(|part| {
-            let mut follower = Follower::new(surface, material, measuring.max_bounces);
-            let mut pixels = Pixels::new(screen);
-            let mut tally = Tally::empty(screen.size());
+            let mut follower = PathFollower::new(surface, material, measuring.max_bounces);
+            let mut pixels = LastPixel::new(sensor);
+            let mut tally = Tally::empty(sensor.size());
             tally.add(&known, 1.0 / PARTS as f64);
             // A smooth material looks at no random number.
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
@@ -71,7 +72,7 @@ fn over_facets<S: Surface, C: Screen>(
                     }
                 }
                 let k = beams.facet_of(sample, step, measuring.seed);
-                let Some((place, end)) = first_bounce(experiment, k) else { continue };
+                let Some((place, end)) = first_bounce(experiment, light, k) else { continue };
                 // Where each facet has its sample, all samples together stand for just its flux.
                 let (flux, of_facet) = (beams.of(k), beams.samples(k, step, measuring.seed));
                 let weight = if flux >= step { flux / of_facet.len() as f64 } else { step };
@@ -97,8 +98,7 @@ fn over_facets<S: Surface, C: Screen>(
 }
 
 /// Where the light of facet `k` would go if nothing stood in its way; the facet's name with it.
-fn first_bounce<S: Surface>(experiment: &Experiment<'_, S>, k: usize) -> Option<(S::Place, End)> {
-    let light = experiment.setup.light();
+fn first_bounce<S: Surface>(experiment: &Experiment<'_, S>, light: DVec3, k: usize) -> Option<(S::Place, End)> {
     let (place, _) = experiment.surface.facet(k)?;
     let normal = experiment.surface.normal(place);
     let direction = mirror(light, normal);
@@ -108,23 +108,24 @@ fn first_bounce<S: Surface>(experiment: &Experiment<'_, S>, k: usize) -> Option<
 }
 
 /// The light of all facets if nothing stood in its way, in mm² of horizontal area.
-fn closed_form<S: Surface, C: Screen>(
+fn closed_form<S: Surface, C: Sensor>(
     experiment: &Experiment<'_, S>,
-    screen: &C,
+    light: DVec3,
+    sensor: &C,
     beams: &Beams,
     progress: &Progress,
 ) -> Tally {
     let facets = experiment.surface.facets();
     // A fixed number of stretches, so that sums do not depend on threads.
     let stretch = |part: usize| {
-        let mut pixels = Pixels::new(screen);
-        let mut tally = Tally::empty(screen.size());
+        let mut pixels = LastPixel::new(sensor);
+        let mut tally = Tally::empty(sensor.size());
         for k in part * facets / PARTS..(part + 1) * facets / PARTS {
             if k % 65536 == 0 && progress.is_abandoned() {
                 break;
             }
             let flux = beams.of(k);
-            if let Some((_, end)) = first_bounce(experiment, k).filter(|_| flux > 0.0) {
+            if let Some((_, end)) = first_bounce(experiment, light, k).filter(|_| flux > 0.0) {
                 tally.incident += flux;
                 tally.count(&end, flux, pixels.of(end.direction));
             }
@@ -132,7 +133,7 @@ fn closed_form<S: Surface, C: Screen>(
         tally
     };
     let stretches: Vec<Tally> = (0..PARTS).into_par_iter().map(stretch).collect();
-    let mut all = Tally::empty(screen.size());
+    let mut all = Tally::empty(sensor.size());
     stretches.iter().for_each(|tally| all.add(tally, 1.0));
     all
 }

@@ -6,13 +6,13 @@ pub mod wasserstein;
 
 pub mod score;
 
-pub mod lamp;
-
 pub mod tally;
 
-pub mod launch;
+pub mod experiment;
 
-mod near_lamp;
+mod ray_grid;
+
+mod follow;
 
 mod first_bounce;
 

@@ -4,19 +4,20 @@ use glam::{DMat3, DVec3};
 use rand::RngExt;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::lamp::Lamp;
 use crate::brdf::material::Material;
+use crate::lamp::Lamp;
 use crate::slope::flat_mirror;
 use crate::trace::path::frame;
-use crate::trace::{Hit, Kind, Surface};
+use crate::trace::{Hit, PieceKind, Surface};
 
 /// What a surface is made of and what shines on it.
 pub(super) struct PathTracer<'a, S> {
     pub surface: &'a S,
     pub material: &'a Material,
+    /// In the frame of the world.
     pub lamp: &'a Lamp,
-    /// Toward the lamp's middle, in the frame of the world.
-    pub light: DVec3,
+    /// The lamp's irradiance across its beam where that is said to be 1.
+    pub reference: f64,
     /// Radiance of everything around.
     pub ambient: f64,
     pub max_bounces: u32,
@@ -44,13 +45,13 @@ impl<S: Surface> PathTracer<'_, S> {
         world: &DMat3,
         random: &mut Xoshiro256PlusPlus,
     ) -> PathLight {
-        let Self { surface, material, lamp, light, ambient, max_bounces } = self;
+        let Self { surface, material, lamp, reference, ambient, max_bounces } = self;
         let (smooth, point, endless) = (material.is_smooth(), lamp.is_point(), surface.is_endless());
         let to_local = world.transpose();
         let mut sum = PathLight::default();
         let mut throughput = 1.0;
         for bounce in 0.. {
-            if surface.kind(hit.place) == Kind::Outer {
+            if surface.kind(hit.place) == PieceKind::Outer {
                 break;
             }
             let axes = frame(surface.normal(hit.place));
@@ -62,16 +63,19 @@ impl<S: Surface> PathTracer<'_, S> {
                 sum.trapped = throughput;
                 break;
             }
+            // A shape that wears the relief is lit as a whole: its lamp is far away, whatever the place.
+            let light = lamp.at(hit.point);
+            let irradiance = light.irradiance / reference;
             if !smooth {
-                let l = lamp.sample(*light, random);
+                let l = light.sample(random);
                 let out = to_local * l;
                 let wo = axes.transpose() * out;
                 let returned = material.eval(wi, wo);
                 let lit = returned > 0.0 && (!endless || out.z > 0.0) && surface.next(&hit, out).is_none();
                 if lit {
-                    // The lamp's light adds up to 1: its radiance is the density itself, and cancels.
-                    let weight = if point { 1.0 } else { share(lamp.density(*light, l), material.pdf(wi, wo)) };
-                    sum.radiance += throughput * returned * weight;
+                    // Radiance is irradiance times the density of the sample, and the density cancels.
+                    let weight = if point { 1.0 } else { share(light.density(l), material.pdf(wi, wo)) };
+                    sum.radiance += throughput * returned * weight * irradiance;
                 }
             }
             let u = [random.random::<f64>(), random.random::<f64>(), random.random::<f64>()];
@@ -85,10 +89,10 @@ impl<S: Surface> PathTracer<'_, S> {
                     break;
                 }
                 None => {
-                    let radiance = lamp.density(*light, *world * direction);
+                    let density = light.density(*world * direction);
                     let mirrored = material.lobe().is_none() && wo == flat_mirror(wi);
-                    let weight = if radiance > 0.0 && !mirrored { share(material.pdf(wi, wo), radiance) } else { 1.0 };
-                    sum.radiance += throughput * (ambient + weight * radiance);
+                    let weight = if density > 0.0 && !mirrored { share(material.pdf(wi, wo), density) } else { 1.0 };
+                    sum.radiance += throughput * (ambient + weight * density * irradiance);
                     break;
                 }
             }

@@ -15,13 +15,14 @@ use thiserror::Error;
 pub use super::camera::Shape;
 
 use super::camera::Camera;
-use super::measure::Experiment;
+use super::experiment::Experiment;
 use super::path_tracer::{PathLight, PathTracer};
+use crate::lamp::Lamp;
 use crate::progress::Progress;
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::slope::direction;
-use crate::trace::{Kind, Surface};
+use crate::trace::{PieceKind, Surface};
 
 /// Where the camera stands, what it looks at, and how finely.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,18 +117,24 @@ impl ViewSettings {
                 if !experiment.surface.is_endless() {
                     return Err(RenderError::Ends);
                 }
+                if !matches!(experiment.lamp, Lamp::Distant(_)) {
+                    return Err(RenderError::LampNearby);
+                }
                 // Of a cylinder the distance from its axis counts.
-                let eye = self.toward() * self.distance;
-                let away = if matches!(self.shape, Shape::Cylinder { .. }) { eye.with_y(0.0) } else { eye };
+                let camera = self.toward() * self.distance;
+                let away = if matches!(self.shape, Shape::Cylinder { .. }) { camera.with_y(0.0) } else { camera };
                 if away.length() <= radius * (1.0 + 1e-9) {
                     return Err(RenderError::Inside { distance: self.distance });
                 }
             }
             None => {
-                if self.camera(experiment).eye.z <= experiment.surface.height_range().1 {
+                if self.camera(experiment).position.z <= experiment.surface.height_range().1 {
                     return Err(RenderError::Inside { distance: self.distance });
                 }
             }
+        }
+        if !experiment.lamp_is_above() {
+            return Err(RenderError::LampInPlate);
         }
         if experiment.lamp.is_point() && experiment.material.is_smooth() && self.ambient == 0.0 {
             return Err(RenderError::PointOnSmooth { material: experiment.material.to_string() });
@@ -140,10 +147,7 @@ impl ViewSettings {
     }
 
     fn camera<S: Surface>(&self, experiment: &Experiment<'_, S>) -> Camera {
-        let (low, high) = experiment.surface.optical_area();
-        let (bottom, top) = experiment.surface.height_range();
-        let middle = (0.5 * (low + high)).extend(0.5 * (bottom + top));
-        let target = if self.shape == Shape::Flat { middle } else { DVec3::ZERO };
+        let target = if self.shape == Shape::Flat { experiment.surface.middle() } else { DVec3::ZERO };
         Camera::new(target, self.toward(), self.distance, self.field_of_view.to_radians(), self.size)
     }
 }
@@ -152,25 +156,25 @@ impl ViewSettings {
 ///
 /// # Errors
 /// See [`ViewSettings::check`]; also if the work was cancelled.
-pub fn look<S: Surface>(
+pub fn render<S: Surface>(
     experiment: &Experiment<'_, S>,
-    look: &ViewSettings,
+    settings: &ViewSettings,
     progress: &Progress,
 ) -> Result<RenderedView, RenderError> {
-    look.check(experiment)?;
-    let eye = Eye {
-        camera: look.camera(experiment),
+    settings.check(experiment)?;
+    let pixels = PixelTracer {
+        camera: settings.camera(experiment),
         tracer: PathTracer {
             surface: experiment.surface,
             material: &experiment.material,
             lamp: &experiment.lamp,
-            light: experiment.setup.light(),
-            ambient: look.ambient,
-            max_bounces: look.max_bounces,
+            reference: experiment.lamp.at(experiment.surface.middle()).irradiance,
+            ambient: settings.ambient,
+            max_bounces: settings.max_bounces,
         },
-        look,
+        settings,
     };
-    let [width, height] = look.size;
+    let [width, height] = settings.size;
     let done = AtomicUsize::new(0);
     let rows: Vec<Vec<[f64; 3]>> = (0..height)
         .into_par_iter()
@@ -178,11 +182,11 @@ pub fn look<S: Surface>(
             if progress.is_abandoned() {
                 return Vec::new();
             }
-            let stream = look.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
+            let stream = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
             let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
-            let pixels = (0..width).map(|column| eye.pixel(column, row, &mut random)).collect();
+            let values = (0..width).map(|column| pixels.pixel(column, row, &mut random)).collect();
             progress.fraction((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / height as f64);
-            pixels
+            values
         })
         .collect();
     if progress.is_abandoned() {
@@ -196,20 +200,20 @@ pub fn look<S: Surface>(
 /// "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
 const EVENLY: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
 
-struct Eye<'a, S> {
+struct PixelTracer<'a, S> {
     camera: Camera,
     tracer: PathTracer<'a, S>,
-    look: &'a ViewSettings,
+    settings: &'a ViewSettings,
 }
 
-impl<S: Surface> Eye<'_, S> {
+impl<S: Surface> PixelTracer<'_, S> {
     /// Mean radiance of a pixel, its standard error, and the mean trapped share.
     fn pixel(&self, column: usize, row: usize, random: &mut Xoshiro256PlusPlus) -> [f64; 3] {
-        let [width, height] = self.look.size;
+        let [width, height] = self.settings.size;
         let middle = View::pixel_centre(column, row, width, height);
         let half = 1.0 / DVec2::new(width as f64, height as f64);
         // Strata over the pixel, so that edges come out smooth.
-        let strata = f64::from(self.look.rays).sqrt().ceil() as u32;
+        let strata = f64::from(self.settings.rays).sqrt().ceil() as u32;
         let n = f64::from(strata * strata);
         let (mut mean, mut squares, mut trapped) = (0.0, 0.0, 0.0);
         let shift = DVec2::new(random.random::<f64>(), random.random::<f64>());
@@ -233,16 +237,16 @@ impl<S: Surface> Eye<'_, S> {
     /// One path against `direction`; on a shape it meets the relief's period at the share `start` of it.
     fn path(&self, direction: DVec3, start: DVec2, random: &mut Xoshiro256PlusPlus) -> PathLight {
         let surface = self.tracer.surface;
-        let background = PathLight { radiance: self.look.ambient, trapped: 0.0 };
-        if self.look.shape == Shape::Flat {
-            let Some(hit) = surface.first(self.camera.eye, direction) else { return background };
+        let background = PathLight { radiance: self.settings.ambient, trapped: 0.0 };
+        if self.settings.shape == Shape::Flat {
+            let Some(hit) = surface.first(self.camera.position, direction) else { return background };
             // A relief's grid ends in sides that know no base: below the lowest point there is nothing to be seen.
-            if surface.kind(hit.place) == Kind::Outer && hit.point.z < surface.height_range().0 {
+            if surface.kind(hit.place) == PieceKind::Outer && hit.point.z < surface.height_range().0 {
                 return background;
             }
             return self.tracer.radiance(hit, direction, &DMat3::IDENTITY, random);
         }
-        let Some(frame) = self.look.shape.frame(self.camera.eye, direction) else { return background };
+        let Some(frame) = self.settings.shape.frame(self.camera.position, direction) else { return background };
         let along = (frame.transpose() * direction).normalize();
         // Anywhere in the period: the relief is too fine for the eye to see where. But evenly over the pixel's paths: how
         // much facets differ from each other would be most of the noise.
@@ -260,6 +264,7 @@ impl<S: Surface> Eye<'_, S> {
 
 /// Why there is nothing to be seen.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RenderError {
     /// A length out of range.
     #[error("the {what} must be {low} to {high} mm, not {value}", low = ViewSettings::LENGTH.start(), high = ViewSettings::LENGTH.end())]
@@ -300,6 +305,12 @@ pub enum RenderError {
     /// A finite plate on a shape.
     #[error("only an endless panel can be wrapped on a sphere or a cylinder: take the relief as a panel")]
     Ends,
+    /// A lamp nearby over a shape that wears a relief without end.
+    #[error("a sphere or a cylinder is lit from far away only: take a distant lamp")]
+    LampNearby,
+    /// The lamp is too near for its size and angle.
+    #[error("the lamp would dip below the top of the plate: move it away or make it smaller")]
+    LampInPlate,
     /// A mirror image of a point has no extent.
     #[error(
         "a point of light is not seen in smooth {material}: give the lamp a radius (the sun has 0.2665°), or the \

@@ -9,30 +9,27 @@
 //!             plate
 //! ```
 //!
-//! What finite distances blur: every point of the plate throws its own picture, so that a flat mirror's spot is as large
+//! What finite distances blur: every point of the plate sends its own picture, so that a flat mirror's spot is as large
 //! as the plate itself, times 1 + W/D; and a lamp of radius r is spread to r W/D, as by a pinhole. [`WallBlur`] has both.
 //! Neither lamp nor wall casts a shadow on the other's light.
 
 use glam::{DMat3, DVec2, DVec3};
 use thiserror::Error;
 
-use super::launch::RayGrid;
-use super::measure::{Experiment, Measuring, follow_all, until_error};
-use super::near_lamp::{NearGrid, Rays};
+use super::experiment::{Experiment, Measuring};
+use super::follow::{Collection, follow_all};
+use super::measure::until_error;
 use super::tally::{Measurement, Tally};
+use crate::lamp::Lamp;
 use crate::progress::Progress;
 use crate::projection::{View, carried_axes};
 use crate::raster::Raster;
 use crate::trace::Surface;
 use crate::trace::path::{End, Fate};
 
-/// Where lamp and wall are. The lamp stands toward the setup's light, the wall where a flat plate would throw it.
+/// Where the wall is: across the direction in which a flat plate mirrors the setup's light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallSettings {
-    /// From the plate's middle to the lamp's, mm. Infinite: the experiment's own distant lamp.
-    pub lamp_distance: f64,
-    /// Radius of the lamp, a ball of even radiance, mm; 0 is a point. A distant lamp has its own angular radius.
-    pub lamp_radius: f64,
     /// From the plate's middle to the wall along the mirror direction, mm.
     pub wall_distance: f64,
     /// Degrees by which the wall is turned about its u axis, its upper edge away from the plate.
@@ -42,15 +39,9 @@ pub struct WallSettings {
 }
 
 impl Default for WallSettings {
-    /// A distant lamp, and two metres of wall one metre away.
+    /// A metre of wall a metre away.
     fn default() -> Self {
-        Self {
-            lamp_distance: f64::INFINITY,
-            lamp_radius: 0.0,
-            wall_distance: 1000.0,
-            wall_tilt: 0.0,
-            half_width: 500.0,
-        }
+        Self { wall_distance: 1000.0, wall_tilt: 0.0, half_width: 500.0 }
     }
 }
 
@@ -74,6 +65,10 @@ pub struct WallImage {
     pub measurement: Measurement,
     /// What the distances blur.
     pub blur: WallBlur,
+    /// From the plate's middle to that of the lamp, mm; infinite for a distant one.
+    pub lamp_distance: f64,
+    /// Radius of a lamp nearby, mm; 0 for a point and for a distant lamp.
+    pub lamp_radius: f64,
     /// From the middle of the picture to its rim, mm.
     pub half_width: f64,
 }
@@ -86,7 +81,7 @@ impl WallSettings {
     /// Pixels along a side of the picture.
     pub const MOST_PIXELS: usize = 2048;
 
-    /// Whether light can be thrown so over the experiment's surface.
+    /// Whether light of the experiment's lamp can reach the wall so.
     ///
     /// # Errors
     /// A value out of its range, a lamp that dips into the plate or a wall that cuts it.
@@ -94,13 +89,11 @@ impl WallSettings {
         let length = |what, value: f64| {
             if Self::LENGTH.contains(&value) { Ok(()) } else { Err(WallError::Length { what, value }) }
         };
-        if self.lamp_distance != f64::INFINITY {
-            length("distance of the lamp", self.lamp_distance)?;
-        }
         length("distance of the wall", self.wall_distance)?;
         length("half width of the wall's picture", self.half_width)?;
-        if self.lamp_radius != 0.0 {
-            length("radius of the lamp", self.lamp_radius)?;
+        let (lamp_distance, lamp_radius) = lamp_size(experiment);
+        if lamp_radius != 0.0 {
+            length("radius of the lamp", lamp_radius)?;
         }
         if !(-Self::MOST_TILT..=Self::MOST_TILT).contains(&self.wall_tilt) {
             return Err(WallError::Tilt(self.wall_tilt));
@@ -109,13 +102,18 @@ impl WallSettings {
             return Err(WallError::Measuring);
         }
         let wall = Wall::new(self, experiment);
-        let (_, top) = experiment.surface.height_range();
-        if wall.lamp(self).is_some_and(|lamp| lamp.z - self.lamp_radius <= top + 1e-3 * Self::LENGTH.start()) {
-            return Err(WallError::LampInPlate { distance: self.lamp_distance });
+        if let Lamp::Ball { .. } = experiment.lamp {
+            // How near it may be depends on its direction and size: see below.
+            if lamp_distance.is_nan() || lamp_distance > Self::LENGTH.end() * (1.0 + 1e-9) {
+                return Err(WallError::Length { what: "distance of the lamp", value: lamp_distance });
+            }
+            if !experiment.lamp_is_above() {
+                return Err(WallError::LampInPlate { distance: lamp_distance });
+            }
         }
-        let bottom = experiment.surface.height_range().0;
+        let (bottom, top) = experiment.surface.height_range();
         let behind = |corner: DVec2| [bottom, top].into_iter().any(|z| wall.depth(corner.extend(z)) <= 0.0);
-        if corners(experiment.surface).into_iter().any(behind) {
+        if experiment.surface.corners().into_iter().any(behind) {
             return Err(WallError::WallInPlate { distance: self.wall_distance, tilt: self.wall_tilt });
         }
         Ok(())
@@ -126,21 +124,21 @@ impl WallSettings {
     /// Meaningful only for values that pass [`check`](Self::check).
     pub fn blur<S: Surface>(&self, experiment: &Experiment<'_, S>) -> WallBlur {
         let wall = Wall::new(self, experiment);
-        let source = wall.lamp(self).map(|lamp| lamp.with_z(2.0 * wall.middle.z - lamp.z));
-        let thrown = |corner: DVec2| {
-            // From the lamp's mirror image, or along c from an endless distance.
-            let point = corner.extend(wall.middle.z);
-            wall.meets(point, source.map_or(wall.c, |source| point - source))
+        // What a flat mirror in the plate's place shows of a lamp nearby: its mirror image below.
+        let image = match experiment.lamp {
+            Lamp::Ball { middle, .. } => Some(middle.with_z(2.0 * wall.middle.z - middle.z)),
+            Lamp::Distant(_) => None,
         };
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        for at in corners(experiment.surface).map(thrown) {
+        for corner in experiment.surface.corners() {
+            let point = corner.extend(wall.middle.z);
+            let at = wall.meets(point, image.map_or(wall.c, |image| point - image));
             // What passes the wall's horizon is spread without end.
             let at = at.unwrap_or(DVec2::INFINITY);
             (low, high) = (low.min(at), high.max(at));
         }
         let plate = if high.is_finite() { high - low } else { DVec2::INFINITY };
-        let half =
-            if source.is_some() { (self.lamp_radius / self.lamp_distance).asin() } else { experiment.lamp.reach() };
+        let half = experiment.lamp.at(wall.middle).extent.reach();
         let (sin, cos) = self.wall_tilt.to_radians().sin_cos();
         let w = self.wall_distance;
         // The ellipse in which a cone of that half angle around c cuts the wall.
@@ -160,7 +158,6 @@ impl WallSettings {
 /// The wall in the plate's frame.
 struct Wall {
     middle: DVec3,
-    light: DVec3,
     c: DVec3,
     centre: DVec3,
     u: DVec3,
@@ -170,32 +167,24 @@ struct Wall {
 }
 
 impl Wall {
-    fn new<S: Surface>(throw: &WallSettings, experiment: &Experiment<'_, S>) -> Self {
-        let (low, high) = experiment.surface.optical_area();
-        let (bottom, top) = experiment.surface.height_range();
-        let middle = (0.5 * (low + high)).extend(0.5 * (bottom + top));
+    fn new<S: Surface>(settings: &WallSettings, experiment: &Experiment<'_, S>) -> Self {
+        let middle = experiment.surface.middle();
         // The highlight image lives in the drawing's frame; rays in that of the plate, which may be mounted tilted.
         let (x, y) = carried_axes(experiment.setup.plate_normal());
         let to_plate = DMat3::from_cols(x, y, experiment.setup.plate_normal()).transpose();
         let centre = experiment.setup.view().centre();
         let (e1, e2) = carried_axes(centre);
         let (c, e1, e2) = (to_plate * centre, to_plate * e1, to_plate * e2);
-        let (sin, cos) = throw.wall_tilt.to_radians().sin_cos();
+        let (sin, cos) = settings.wall_tilt.to_radians().sin_cos();
         Self {
             middle,
-            light: experiment.setup.light(),
             c,
-            centre: middle + throw.wall_distance * c,
+            centre: middle + settings.wall_distance * c,
             u: e1,
             v: cos * e2 + sin * c,
             normal: cos * c - sin * e2,
-            half_width: throw.half_width,
+            half_width: settings.half_width,
         }
-    }
-
-    /// The lamp's middle, unless it is distant.
-    fn lamp(&self, throw: &WallSettings) -> Option<DVec3> {
-        throw.lamp_distance.is_finite().then(|| self.middle + throw.lamp_distance * self.light)
     }
 
     /// How far a point lies in front of the wall, mm.
@@ -215,9 +204,12 @@ impl Wall {
     }
 }
 
-fn corners<S: Surface>(surface: &S) -> [DVec2; 4] {
-    let (low, high) = surface.optical_area();
-    [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)]
+/// Distance of the lamp from the plate's middle and its radius, mm; infinite and 0 for a distant lamp.
+fn lamp_size<S: Surface>(experiment: &Experiment<'_, S>) -> (f64, f64) {
+    match experiment.lamp {
+        Lamp::Ball { middle, radius } => (middle.distance(experiment.surface.middle()), radius),
+        Lamp::Distant(_) => (f64::INFINITY, 0.0),
+    }
 }
 
 impl WallImage {
@@ -248,46 +240,45 @@ impl WallImage {
     }
 }
 
-/// Throws light over the surface onto the wall; the same for any number of threads.
+/// Sends the lamp's light over the surface and collects it on the wall; the same for any number of threads.
 ///
-/// The picture has `measuring.resolution` pixels a side, and goes on until `measuring.error`, if any; an endless panel is lit, and throws light, within one period.
+/// The picture has `measuring.resolution` pixels a side, and goes on until `measuring.error`, if any; an endless panel is
+/// lit, and sends light, within one period.
 ///
 /// # Errors
 /// See [`WallSettings::check`]; also if no ray met the plate, or the work was cancelled.
-pub fn throw<S: Surface>(
+pub fn wall_image<S: Surface>(
     experiment: &Experiment<'_, S>,
-    throw: &WallSettings,
+    settings: &WallSettings,
     measuring: &Measuring,
     progress: &Progress,
 ) -> Result<WallImage, WallError> {
-    throw.check(experiment, measuring)?;
-    let wall = Wall::new(throw, experiment);
+    settings.check(experiment, measuring)?;
+    let wall = Wall::new(settings, experiment);
+    let n = measuring.resolution;
+    let pixel_of = |end: &mut End| {
+        if !matches!(end.fate, Fate::Up | Fate::Down) {
+            return None;
+        }
+        let at = wall.meets(end.point, end.direction);
+        end.fate = if at.is_some() { Fate::Up } else { Fate::Down };
+        View::pixel_at(at? / wall.half_width, n, n).map(|(x, y)| y * n + x)
+    };
+    let collection = Collection { size: (n, n), wanted: |_| true, landing: || pixel_of };
     let round = |measuring: &Measuring| {
-        let rays = match wall.lamp(throw) {
-            None => Rays::Far(RayGrid::new(experiment.surface, wall.light, &experiment.lamp, measuring.rays)),
-            Some(lamp) => {
-                Rays::Near(NearGrid::new(experiment.surface, wall.middle, lamp, throw.lamp_radius, measuring.rays))
-            }
-        };
-        let n = measuring.resolution;
-        let land = |end: &mut End| {
-            if !matches!(end.fate, Fate::Up | Fate::Down) {
-                return None;
-            }
-            let at = wall.meets(end.point, end.direction);
-            end.fate = if at.is_some() { Fate::Up } else { Fate::Down };
-            View::pixel_at(at? / wall.half_width, n, n).map(|(x, y)| y * n + x)
-        };
-        let parts = follow_all(experiment, &rays, (n, n), measuring, |_| true, || land, progress);
+        let parts = follow_all(experiment, measuring, &collection, progress);
         Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
     };
     let unlit = || if progress.is_abandoned() { WallError::Cancelled } else { WallError::Unlit };
     let measurement = until_error(measuring, round).ok_or_else(unlit)?;
-    Ok(WallImage { measurement, blur: throw.blur(experiment), half_width: throw.half_width })
+    let (lamp_distance, lamp_radius) = lamp_size(experiment);
+    let blur = settings.blur(experiment);
+    Ok(WallImage { measurement, blur, lamp_distance, lamp_radius, half_width: settings.half_width })
 }
 
-/// Why no light is thrown on a wall.
+/// Why there is no picture of a wall.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum WallError {
     /// A length out of range.
     #[error("the {what} must be {low} to {high} mm, not {value}", low = WallSettings::LENGTH.start(), high = WallSettings::LENGTH.end())]

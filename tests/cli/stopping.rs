@@ -48,7 +48,7 @@ fn ctrl_c_ends_quickly_and_leaves_nothing() {
 #[test]
 fn ctrl_c_finishes_a_continuous_design_and_twice_stops_it() {
     let home = home();
-    let big = "--surface continuous --grid 512 --cells 1 --size 10x10 --rays 20000";
+    let big = "--surface continuous --grid 256 --cells 1 --size 10x10 --rays 20000";
     for (folder, times) in [("once", 1), ("twice", 2)] {
         let line = format!("design ring.png -o {folder} {big} --snapshots --json");
         let child = facetmill().current_dir(home.path()).args(line.split(' ')).spawn().unwrap();

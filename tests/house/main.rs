@@ -9,23 +9,14 @@ mod source;
 mod toolchain;
 
 /// What is still to be mended: beginnings of offences that the rules let pass.
-const OPEN: [&str; 16] = [
-    "args refers to measure::args",
-    "args refers to values",
-    "console refers to files",
-    "design refers to ",
-    "estimate refers to files",
-    "measure refers to ",
-    "measure::args refers to values",
-    "verify::first_bounce refers to verify::measure",
+const OPEN: &[&str] = &[
+    "job::report refers to job::product",
+    "job::product refers to job::exports",
     "src/bin/facetmill/design.rs",
     "src/bin/facetmill/measure/",
     "src/bin/facetmill/verify.rs",
-    "src/export/picture.rs",
-    "src/export/polar_slices.rs",
     "src/job/",
     "src/sculpt/",
-    "src/verify/measure.rs",
 ];
 
 /// Fails with all offences but those that are known to be open.

@@ -10,6 +10,7 @@ use facetmill::brdf::material::{Material, Substance};
 use facetmill::brdf::metals::Metal;
 use facetmill::brdf::microfacet::{Lobe, MicrofacetDistribution};
 use facetmill::export::solid::solid;
+use facetmill::lamp::Extent;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
 use facetmill::relief::faceted::{Facet, FacetedRelief};
@@ -19,8 +20,8 @@ use facetmill::slope::Slope;
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::tally::{Measurement, Tally};
 use glam::{DVec2, DVec3};
 
@@ -30,7 +31,7 @@ const MESH_RAYS: u64 = 1_000_000;
 const CORRECTING_RAYS: u64 = 2_000_000;
 
 /// A lamp of next to no size.
-const NEARLY_POINT: Lamp = Lamp::Disc { radius: 1e-8 };
+const NEARLY_POINT: Extent = Extent::Disc { radius: 1e-8 };
 
 /// Light from THETA, PHI and the image around its mirror direction; degrees.
 #[derive(Clone)]
@@ -52,9 +53,14 @@ impl Scene {
         Setup::new(theta, phi, 0.0, Projection::Equidistant, half_field)
     }
 
-    fn lit<S: Surface>(&self, surface: &S, lamp: Lamp, rays: u64) -> Measurement {
+    fn lit<S: Surface>(&self, surface: &S, lamp: Extent, rays: u64) -> Measurement {
         let setup = self.setup();
-        let experiment = Experiment { surface, setup: &setup, material: self.material.clone(), lamp };
+        let experiment = Experiment {
+            surface,
+            setup: &setup,
+            material: self.material.clone(),
+            lamp: setup.lamp().with_extent(lamp).into(),
+        };
         let measuring = Measuring { rays, resolution: self.resolution, seed: 20, ..Measuring::default() };
         let measurement = measure(&experiment, &measuring, &Progress::silent()).unwrap();
         assert!((measurement.whole.balance() - 1.0).abs() < 1e-9, "light is lost or made");
@@ -76,9 +82,9 @@ impl Scene {
         let grid = GridSurface::new(relief);
         let mesh = MeshSurface::new(&solid(relief, 1.0).unwrap(), 0.0).unwrap();
         [
-            ("exact", self.lit(&grid, Lamp::Point, CORRECTING_RAYS / fewer)),
+            ("exact", self.lit(&grid, Extent::Point, CORRECTING_RAYS / fewer)),
             ("plain", self.lit(&grid, NEARLY_POINT, RAYS / fewer)),
-            ("mesh", self.lit(&mesh, Lamp::Point, MESH_RAYS / fewer)),
+            ("mesh", self.lit(&mesh, Extent::Point, MESH_RAYS / fewer)),
         ]
     }
 }
@@ -189,9 +195,9 @@ fn dome_agrees(name: &str, z: impl Fn(DVec2) -> f64 + Copy, intensity: impl Fn(f
     let surface = GridSurface::continuous(&dome(0.5, 1000, z));
     let mesh = MeshSurface::new(&solid(&facets_of_dome(0.5, 400, z), 1.0).unwrap(), 0.0).unwrap();
     let ways = [
-        ("exact", 1000.0, scene.lit(&surface, Lamp::Point, 100_000)),
+        ("exact", 1000.0, scene.lit(&surface, Extent::Point, 100_000)),
         ("plain", 1000.0, scene.plain(&surface)),
-        ("mesh", 400.0, scene.lit(&mesh, Lamp::Point, MESH_RAYS)),
+        ("mesh", 400.0, scene.lit(&mesh, Extent::Point, MESH_RAYS)),
     ];
     for (way, pieces, m) in ways {
         for (part, pixels) in [("middle", &[4][..]), ("sides", &[1, 3, 5, 7]), ("corners", &[0, 2, 6, 8])] {
@@ -309,7 +315,7 @@ fn a_comb_of_walls_shadows_what_its_height_times_the_tangent_says() {
             agrees(&format!("{way}: comb, up at {theta}"), m, Tally::up, 1.0, 5e-4);
         };
         let panel = GridSurface::panel(&columns(&[block, gap], 4.0));
-        check("endless, exact", &scene.lit(&panel, Lamp::Point, CORRECTING_RAYS), 1.0, 3.0);
+        check("endless, exact", &scene.lit(&panel, Extent::Point, CORRECTING_RAYS), 1.0, 3.0);
         check("endless, plain", &scene.plain(&panel), 1.0, 3.0);
         let comb = columns(&[&[block, gap].repeat(5)[..], &[block]].concat(), 4.0);
         for (way, m) in scene.all_ways(&comb) {
@@ -367,7 +373,7 @@ fn half_vectors_of_rough_plates_lie_within_a_tilt_as_their_laws_say() {
         let material = Material::new(Substance::Mirror, Some(Lobe::new(law, alpha, alpha).unwrap())).unwrap();
         let scene = Scene { theta, phi: 200.0, material, ..Scene::overhead(80.0, 128) };
         let ways =
-            [("grid", scene.lit(&grid, Lamp::Point, RAYS / 2)), ("mesh", scene.lit(&mesh, Lamp::Point, MESH_RAYS))];
+            [("grid", scene.lit(&grid, Extent::Point, RAYS / 2)), ("mesh", scene.lit(&mesh, Extent::Point, MESH_RAYS))];
         let (setup, (d, g1)) = (scene.setup(), walter(law, alpha));
         let half_tilt = |o: DVec3| (o + setup.light()).normalize().z.min(1.0).acos();
         let n = 128;

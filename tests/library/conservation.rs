@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::plates::{Shape, plate};
 use facetmill::brdf::material::Material;
+use facetmill::lamp::Extent;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, View};
 use facetmill::relief::faceted::FacetedRelief;
@@ -12,8 +13,8 @@ use facetmill::setup::Setup;
 use facetmill::slope::{angle_between, direction};
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::tally::{Measurement, Tally};
 use glam::DVec3;
 
@@ -23,7 +24,7 @@ const HALF_FIELD: f64 = 90.0;
 struct Scene {
     theta: f64,
     phi: f64,
-    lamp: Lamp,
+    lamp: Extent,
     material: Material,
     rays: u64,
     resolution: usize,
@@ -33,7 +34,7 @@ struct Scene {
 impl Scene {
     /// A mirror under a point lamp; degrees.
     fn mirror(theta: f64, phi: f64, rays: u64) -> Self {
-        let (lamp, material) = (Lamp::Point, Material::MIRROR);
+        let (lamp, material) = (Extent::Point, Material::MIRROR);
         Self { theta, phi, lamp, material, rays, resolution: 16, max_bounces: 8 }
     }
 
@@ -45,7 +46,7 @@ impl Scene {
     fn lit<S: Surface>(&self, surface: &S) -> Measurement {
         let setup = self.setup();
         let (lamp, material) = (self.lamp.clone(), self.material.clone());
-        let experiment = Experiment { surface, setup: &setup, material, lamp };
+        let experiment = Experiment { surface, setup: &setup, material, lamp: setup.lamp().with_extent(lamp).into() };
         let (rays, resolution, max_bounces) = (self.rays, self.resolution, self.max_bounces);
         let measuring = Measuring { rays, resolution, max_bounces, seed: 5, error: None };
         measure(&experiment, &measuring, &Progress::silent()).unwrap()
@@ -64,7 +65,7 @@ fn a_white_furnace_loses_and_makes_no_light() {
     for (seed, theta) in [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0].into_iter().enumerate() {
         let relief = rugged(seed as u64);
         let size = relief.optical_area().1;
-        for lamp in [Lamp::Point, Lamp::Disc { radius: 1e-8 }] {
+        for lamp in [Extent::Point, Extent::Disc { radius: 1e-8 }] {
             let scene = Scene { lamp, max_bounces: 100, ..Scene::mirror(theta, 50.0 * seed as f64, 400_000) };
             let m = scene.lit(&GridSurface::panel(&relief));
             let whole = &m.whole;
@@ -120,7 +121,7 @@ fn light_runs_backward_as_it_runs_forward() {
         for (a, b) in [((20.0, 10.0), (55.0, 140.0)), ((65.0, 200.0), (35.0, 60.0f64))] {
             let axis = |(theta, phi): (f64, f64)| direction(theta.to_radians(), phi.to_radians());
             let flux = |from: (f64, f64), to: (f64, f64)| {
-                let lamp = Lamp::Disc { radius };
+                let lamp = Extent::Disc { radius };
                 let scene = Scene { lamp, resolution: 256, max_bounces: 50, ..Scene::mirror(from.0, from.1, 600_000) };
                 let scene = Scene { material: material.parse().unwrap(), ..scene };
                 let m = scene.lit(&panel);
@@ -145,7 +146,7 @@ fn a_disc_of_light_is_the_mean_of_its_points() {
     let radius = f64::to_radians(6.0);
     let panel = GridSurface::panel(&rugged(7));
     let middle = direction(f64::to_radians(50.0), 1.0);
-    let disc = Scene { lamp: Lamp::Disc { radius }, ..Scene::mirror(50.0, 1f64.to_degrees(), 4_000_000) }.lit(&panel);
+    let disc = Scene { lamp: Extent::Disc { radius }, ..Scene::mirror(50.0, 1f64.to_degrees(), 4_000_000) }.lit(&panel);
     // Even over the cap: a spiral of the golden angle.
     let points = 400;
     let (e1, e2) = facetmill::projection::carried_axes(middle);
@@ -179,13 +180,13 @@ fn light_known_in_closed_form_is_what_plain_rays_find() {
         let rimmed = relief.with_rim(2.0);
         for (endless, theta) in [0.0, 30.0, 60.0, 80.0].into_iter().flat_map(|theta| [(false, theta), (true, theta)]) {
             let surface = if endless { GridSurface::panel(&relief) } else { GridSurface::new(&rimmed) };
-            let scene = |lamp: Lamp, rays: u64| Scene {
+            let scene = |lamp: Extent, rays: u64| Scene {
                 lamp,
                 material: material.parse().unwrap(),
                 ..Scene::mirror(theta, 77.0 * seed as f64, rays)
             };
-            let exact = scene(Lamp::Point, 1_000_000).lit(&surface);
-            let plain = scene(Lamp::Disc { radius: 1e-8 }, 1_000_000).lit(&surface);
+            let exact = scene(Extent::Point, 1_000_000).lit(&surface);
+            let plain = scene(Extent::Disc { radius: 1e-8 }, 1_000_000).lit(&surface);
             let figures = |t: &Tally| {
                 let per = |light: f64| light / t.incident;
                 [per(t.up_single), per(t.up_multi), per(t.first_hit_wall), t.blocked(), per(t.taken), per(t.trapped)]

@@ -16,7 +16,7 @@ use facetmill::relief::recognise::{Recognised, recognise};
 use facetmill::slope::{Slope, direction, mirror};
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::trace::{Hit, Kind, Surface};
+use facetmill::trace::{Hit, PieceKind, Surface};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -167,7 +167,7 @@ fn follow<S: Surface>(surface: &S, reference: &impl Reference, mut hit: Hit<S::P
         let what = || format!("{trial}, bounce {bounce}: {kind:?} at {:?} along {d:?}", hit.point);
         assert!(hit.point.is_finite() && (normal.length() - 1.0).abs() < 1e-12, "{}", what());
         assert!(d.dot(normal) < 1e-12, "met from behind, normal {normal}: {}", what());
-        if kind == Kind::Outer {
+        if kind == PieceKind::Outer {
             return;
         }
         let (lowest, highest) = reference.range(hit.point.truncate(), surface.is_endless());
@@ -392,7 +392,7 @@ fn bounces_alike(grid: &impl Surface, mesh: &MeshSurface) -> usize {
             let other = (mesh.normal(theirs.place), mesh.kind(theirs.place));
             let alike = normal.distance(other.0) < 1e-6 && kind == other.1;
             assert!(alike, "trial {seed}: {normal} {kind:?}, {other:?} at {at}, {there}, along {d}");
-            if kind == Kind::Outer || here == BOUNCES {
+            if kind == PieceKind::Outer || here == BOUNCES {
                 (a, b) = (None, None);
                 continue;
             }

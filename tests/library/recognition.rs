@@ -6,6 +6,7 @@ use crate::plates::waves::waves;
 use crate::plates::{ALL, Shape, plate};
 use facetmill::brdf::material::Material;
 use facetmill::export::solid::solid;
+use facetmill::lamp::Extent;
 use facetmill::progress::Progress;
 use facetmill::projection::Projection;
 use facetmill::relief::faceted::FacetedRelief;
@@ -15,8 +16,8 @@ use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::tally::{Measurement, Tally};
 use glam::DVec3;
 
@@ -30,7 +31,12 @@ fn finest(lines: &[f64]) -> f64 {
 
 fn lit<S: Surface>(surface: &S, theta: f64) -> Measurement {
     let setup = Setup::new(f64::to_radians(theta), 0.7, 0.0, Projection::Equidistant, f64::to_radians(60.0));
-    let experiment = Experiment { surface, setup: &setup, material: Material::MIRROR, lamp: Lamp::Point };
+    let experiment = Experiment {
+        surface,
+        setup: &setup,
+        material: Material::MIRROR,
+        lamp: setup.lamp().with_extent(Extent::Point).into(),
+    };
     measure(&experiment, &Measuring { rays: 200_000, resolution: 8, ..Measuring::default() }, &Progress::silent())
         .unwrap()
 }

@@ -40,7 +40,7 @@ fn compared(recipe: &Recipe) -> [(f64, f64); 2] {
     let mut ideal = recipe.clone();
     (ideal.light.radius, ideal.plate.lobe) = (0.0, 0.0);
     let mut plain = made(&ideal);
-    plain.distribution.setup = sharp.distribution.setup;
+    plain.distribution.setup = sharp.distribution.setup.clone();
     let worth = sharp.sharpening.unwrap();
     [(proved(recipe, &plain), worth.before), (proved(recipe, &sharp), worth.after)]
 }

@@ -12,6 +12,7 @@ use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
 use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::export::stl::write_stl;
 use facetmill::job::design::design;
+use facetmill::lamp::Extent;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, carried_axes};
@@ -22,11 +23,10 @@ use facetmill::setup::Setup;
 use facetmill::slope::{Slope, direction};
 use facetmill::trace::Surface;
 use facetmill::trace::grid::GridSurface;
+use facetmill::verify::experiment::{Experiment, Measuring};
 use facetmill::verify::goniometer::sweep::sweep;
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
-use facetmill::verify::render::{RenderedView, Shape, ViewSettings, look};
+use facetmill::verify::render::{RenderedView, Shape, ViewSettings, render};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 
@@ -90,7 +90,7 @@ fn seen_alike<S: Surface>(
         Ok(seen) => seen,
         Err(why) => return asking::skip("Mitsuba", &why),
     };
-    let ours = look(experiment, settings, &Progress::silent()).unwrap();
+    let ours = render(experiment, settings, &Progress::silent()).unwrap();
     keep(metal, &ours.radiance, &theirs);
     judge(metal, &ours, &theirs, &variance);
 }
@@ -137,7 +137,8 @@ fn a_rough_plate_looks_as_in_mitsuba() {
 
     let (surface, setup) = (GridSurface::new(&plate.relief), recipe.setup());
     let material = "aluminium:ggx:0.2".parse().unwrap();
-    let experiment = Experiment { surface: &surface, setup: &setup, material, lamp: Lamp::Point };
+    let experiment =
+        Experiment { surface: &surface, setup: &setup, material, lamp: setup.lamp().with_extent(Extent::Point).into() };
     // Near enough for perspective to show, and only the plate's upper side in the picture: its sides count as black here.
     let settings = ViewSettings {
         theta: 25.0,
@@ -158,7 +159,8 @@ fn a_brushed_ball_looks_as_in_mitsuba() {
     let setup = Setup::new(0.6, 1.2, 0.0, Projection::Equidistant, 0.3);
     let panel = GridSurface::panel(&flat);
     let material = "brass:ggx:0.15,0.4".parse().unwrap();
-    let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
+    let experiment =
+        Experiment { surface: &panel, setup: &setup, material, lamp: setup.lamp().with_extent(Extent::Point).into() };
     let settings = ViewSettings {
         theta: 40.0,
         phi: 300.0,
@@ -181,7 +183,8 @@ fn a_ball_of_the_exported_bsdf_looks_as_one_that_wears_the_relief() {
     let panel = GridSurface::panel(&design(&recipe, &light, &Progress::silent()).unwrap().relief);
     let setup = Setup::new(f64::to_radians(30.0), f64::to_radians(70.0), 0.0, Projection::Equidistant, 0.3);
     let material = "aluminium:ggx:0.2".parse().unwrap();
-    let experiment = Experiment { surface: &panel, setup: &setup, material, lamp: Lamp::Point };
+    let experiment =
+        Experiment { surface: &panel, setup: &setup, material, lamp: setup.lamp().with_extent(Extent::Point).into() };
     let settings = ViewSettings {
         distance: 200.0,
         field_of_view: 18.0,
@@ -211,7 +214,7 @@ fn a_ball_of_the_exported_bsdf_looks_as_one_that_wears_the_relief() {
     let measuring = Measuring { rays: 200_000, ..Measuring::default() };
     let swept = sweep(&panel, &experiment.material, axes, &measuring, &Progress::silent()).unwrap();
     let [theirs, _] = ball_of(&swept.table).unwrap();
-    let ours = look(&experiment, &settings, &Progress::silent()).unwrap();
+    let ours = render(&experiment, &settings, &Progress::silent()).unwrap();
     keep("bsdf", &ours.radiance, &theirs);
 
     let peak = ours.radiance.values.iter().copied().fold(0.0, f64::max);

@@ -14,6 +14,7 @@ use facetmill::brdf::material::{Material, Substance};
 use facetmill::brdf::metals::Metal;
 use facetmill::export::stl::write_stl;
 use facetmill::job::design::design;
+use facetmill::lamp::Extent;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::projection::Projection;
@@ -21,8 +22,8 @@ use facetmill::recipe::Recipe;
 use facetmill::relief::mesh::Mesh;
 use facetmill::setup::Setup;
 use facetmill::trace::mesh::MeshSurface;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring, measure};
+use facetmill::verify::experiment::{Experiment, Measuring};
+use facetmill::verify::measure::measure;
 use facetmill::verify::tally::{Measurement, Tally};
 use serde_json::{Value, json};
 
@@ -106,7 +107,12 @@ impl Case {
             [self.theta, self.azimuth(), self.radius, HALF_FIELD].map(f64::to_radians);
         let setup = Setup::new(theta, phi, radius, Projection::Equidistant, half_field);
         let material = if self.rough { format!("aluminium:ggx:{ALPHA}").parse().unwrap() } else { Material::MIRROR };
-        let experiment = Experiment { surface, setup: &setup, material, lamp: Lamp::round(radius) };
+        let experiment = Experiment {
+            surface,
+            setup: &setup,
+            material,
+            lamp: setup.lamp().with_extent(Extent::round(radius)).into(),
+        };
         let measuring = Measuring { rays: RAYS, resolution: RESOLUTION, seed: 3, ..Measuring::default() };
         measure(&experiment, &measuring, &Progress::silent()).unwrap()
     }

@@ -34,7 +34,6 @@ pub fn run<S: AsRef<OsStr>>(home: &Path, args: impl IntoIterator<Item = S>) -> O
 }
 
 /// Runs the program in `home` with the words of a line.
-#[allow(dead_code, reason = "not every test file needs it")]
 pub fn run_line(home: &Path, line: &str) -> Outcome {
     run(home, line.split_whitespace())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{FILES, Job, Outcome, Product};
+use facetmill::job::{Job, Outcome, Product, exports};
 use facetmill::picture;
 use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
@@ -36,7 +36,7 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     };
     // Before any work: a folder that cannot be written should not cost a minute.
     let may_replace = args.running.force || (args.resume && snapshots::are_all(folder));
-    let mut staged = Staged::new(folder, may_replace, FILES, &run.gate)?;
+    let mut staged = Staged::new(folder, may_replace, exports::names(), &run.gate)?;
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }

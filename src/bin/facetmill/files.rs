@@ -43,7 +43,7 @@ impl Gate {
 pub struct Staged {
     gate: Arc<Gate>,
     folder: PathBuf,
-    own: &'static [&'static str],
+    own: Vec<&'static str>,
     written: Vec<&'static str>,
 }
 
@@ -52,12 +52,7 @@ impl Staged {
     /// replaced, or removed if they are not written again: they would tell of an earlier run.
     ///
     /// The folder is tried out and left as it was, so that what cannot be written costs no minute of work.
-    pub fn new(
-        folder: &Path,
-        force: bool,
-        own: &'static [&'static str],
-        gate: &Arc<Gate>,
-    ) -> Result<Self, OutputError> {
+    pub fn new(folder: &Path, force: bool, own: Vec<&'static str>, gate: &Arc<Gate>) -> Result<Self, OutputError> {
         if let Some(file) = folder.ancestors().find(|path| path.exists() && !path.is_dir()) {
             return Err(OutputError::NotAFolder(file.to_owned()));
         }
@@ -128,7 +123,7 @@ impl Staged {
         let mut gate = self.gate.lock();
         if let OnDisk::Open(aside) = std::mem::replace(&mut *gate, OnDisk::Closed) {
             aside
-                .publish(&self.folder, self.own, &self.written)
+                .publish(&self.folder, &self.own, &self.written)
                 .map_err(|error| OutputError::Cannot(self.folder.clone(), error))?;
         }
         *gate = OnDisk::Passed;

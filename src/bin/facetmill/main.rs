@@ -1,18 +1,32 @@
 //! The command line: arguments to a recipe, the recipe to a plate, the plate to files.
 
-mod args;
-mod console;
-mod design;
+// In reading order: each imports only from those above it.
+
 mod files;
-mod inputs;
-mod interrupt;
-mod measure;
-mod plates;
-mod snapshots;
+
 mod tables;
-mod usage;
+
 mod values;
+
+mod args;
+
+mod console;
+
+mod inputs;
+
+mod plates;
+
+mod interrupt;
+
+mod snapshots;
+
+mod usage;
+
+mod measure;
+
 mod verify;
+
+mod design;
 
 use std::process::ExitCode;
 use std::sync::Arc;

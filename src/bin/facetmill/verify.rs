@@ -1,6 +1,7 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
+use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
 use facetmill::picture;
@@ -9,7 +10,8 @@ use facetmill::recipe::Recipe;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
 use facetmill::slope::direction;
-use facetmill::verify::measure::{Measuring, Mirrored};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
@@ -18,15 +20,10 @@ use crate::files::Staged;
 use crate::interrupt::Run;
 use crate::{plates, tables};
 
-/// Every file that a verification may write.
-const FILES: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
-
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
-    args.optics.apply(&mut recipe);
-    args.running.apply(&mut recipe);
-    recipe.design.seed = args.seed.unwrap_or(recipe.design.seed);
+    args.settings.apply(&mut recipe);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     let mut setup = recipe.setup();
@@ -41,7 +38,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             ));
         }
     }
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::VERIFY.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);

@@ -16,10 +16,6 @@ fn uneven(n: usize, height: f32) -> Vec<f32> {
     (0..n * n).map(|k| height * (((k as f64 + 1.0).sin() * 43_758.545_3).fract() * 0.5) as f32).collect()
 }
 
-fn potential(side: usize) -> Vec<f32> {
-    (0..side * side).map(|k| ((k % side) as f32 * 0.21).sin() + ((k / side) as f32 * 0.17).cos()).collect()
-}
-
 #[test]
 fn all_light_lands_with_and_without_a_cutter() {
     let lattice = Lattice { n: 16, step: DVec2::new(0.05, 0.04) };
@@ -56,41 +52,134 @@ fn ridges_either_way_up_have_no_light_but_that_of_their_flanks() {
     }
 }
 
-#[test]
-fn the_pull_is_the_derivative() {
-    let side = 64;
-    // Fillets are laid in pieces, whose number jumps as they grow: small balls only.
-    for (radius, across, crossed, weight) in
-        [(None, 0.05, 0.0, 0.0), (None, 0.04, 0.3, 0.0), (Some(0.01), 0.05, 0.1, 0.0), (Some(0.01), 0.04, 0.0, 0.4)]
-    {
-        let lattice = Lattice { n: 12, step: [across, 0.05].into() };
-        let concave = radius.map(|radius| ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 0.3));
-        let light = LightModel::new(lattice, bins(side), crossed, concave);
-        // Bilinear reading has kinks at the bins, concave edges where two edges are as steep: steps must be small beside them, sums
-        // exact beside the steps.
-        let phi = potential(side);
-        let value = |z: &[f32]| {
-            let edges = EdgeSlopes::new(lattice, z);
-            let products =
-                light.forward(&edges).iter().zip(&phi).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>();
-            products + weight * light.penalty(&edges)
-        };
-        let z = uneven(12, 0.03);
-        let edges = EdgeSlopes::new(lattice, &z);
-        let (gradient, penalty) = light.adjoint(&edges, &phi, weight as f32);
-        assert!((penalty - light.penalty(&edges)).abs() <= 1e-6 * penalty);
-        let (mut product, mut ours, mut measured) = (0.0, 0.0, 0.0);
-        for k in 0..144 {
-            let d = 1e-5;
-            let (mut up, mut down) = (z.clone(), z.clone());
-            up[k] += d;
-            down[k] -= d;
-            let slope = (value(&up) - value(&down)) / f64::from(up[k] - down[k]);
-            product += slope * f64::from(gradient[k]);
-            ours += f64::from(gradient[k]).powi(2);
-            measured += slope * slope;
+/// The four bins around a place, their weights, and how the weights change as the place moves by `(dx, dy)`.
+fn bilinear(side: usize, (x, y): (f64, f64), (dx, dy): (f64, f64)) -> [(usize, f64, f64); 4] {
+    let (i, j) = (x as usize, y as usize);
+    let (a, b) = (x.fract(), y.fract());
+    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, up)| {
+        let (u, du) = if right == 1 { (a, dx) } else { (1.0 - a, -dx) };
+        let (v, dv) = if up == 1 { (b, dy) } else { (1.0 - b, -dy) };
+        ((j + up) * side + i + right, u * v, du * v + u * dv)
+    })
+}
+
+/// A slope and its change along a direction.
+#[derive(Clone, Copy)]
+struct Moving {
+    at: f64,
+    change: f64,
+}
+
+/// The change of the light of heights `z` along `direction`, written down anew in double precision: triangle by triangle,
+/// edge by edge.
+fn tangent(lattice: Lattice, z: &[f32], direction: &[f64], model: Model) -> Vec<f64> {
+    let (n, side, bins) = (lattice.n, 64, bins(64));
+    let index = |i: usize, j: usize| j % n * n + i % n;
+    let slope = |from: usize, to: usize, step: f64| Moving {
+        // The slopes are those that the model sees, rounded as it rounds them.
+        at: f64::from((1.0 / step) as f32 * (z[to] - z[from])),
+        change: (direction[to] - direction[from]) / step,
+    };
+    let p = |i: usize, j: usize| slope(index(i, j), index(i + 1, j), lattice.step.x);
+    let q = |i: usize, j: usize| slope(index(i, j), index(i, j + 1), lattice.step.y);
+    let mut light = vec![0.0; side * side];
+    let mut splat = |p: Moving, q: Moving, mass: f64, mass_change: f64| {
+        let at = bins.place(p.at as f32, q.at as f32);
+        let [right, up] = [[1.0, 0.0], [0.0, 1.0]].map(|axis| bins.to_slope(axis).map(f64::from));
+        let change = [right, up].map(|axis| axis[0] * p.change + axis[1] * q.change);
+        for (bin, weight, grows) in bilinear(side, (at.x.into(), at.y.into()), (change[0], change[1])) {
+            light[bin] += mass * grows + mass_change * weight;
         }
-        let cosine = product / (ours * measured).sqrt();
-        assert!(cosine > 0.98 && (ours / measured - 1.0).abs() < 0.05, "{radius:?}: {cosine} {}", ours / measured);
+    };
+    let each = 0.5 / (n * n) as f64;
+    for (i, j) in (0..n * n).map(|k| (k % n, k / n)) {
+        let (bottom, top, left, right) = (p(i, j), p(i, j + 1), q(i, j), q(i + 1, j));
+        let (with_bottom, with_top) = if top.at > bottom.at { (right, left) } else { (left, right) };
+        for (share, low, up) in [(1.0 - model.lower, with_bottom, with_top), (model.lower, with_top, with_bottom)] {
+            splat(bottom, low, share * each, 0.0);
+            splat(top, up, share * each, 0.0);
+        }
+        let Some(radius) = model.radius else { continue };
+        let least = |a: Moving, b: Moving| if b.at < a.at { b } else { a };
+        let most = |a: Moving, b: Moving| if b.at > a.at { b } else { a };
+        let across_x = (least(bottom, top), most(p(i + 1, j), p(i + 1, j + 1)), right);
+        let across_y = (least(left, right), most(q(i, j + 1), q(i + 1, j + 1)), top);
+        for (axis, (from, to, along)) in [across_x, across_y].into_iter().enumerate() {
+            let jump = to.at - from.at;
+            if jump <= f64::from(bins.slope_per_bin()[axis]) {
+                continue;
+            }
+            let share = radius / lattice.step[axis] / (n * n) as f64;
+            let (mass, mass_change) = (share * jump, share * (to.change - from.change));
+            let ends = [from, to].map(|s| {
+                if axis == 0 {
+                    bins.place(s.at as f32, along.at as f32)
+                } else {
+                    bins.place(along.at as f32, s.at as f32)
+                }
+            });
+            let (pieces, points) = bins.points_between(ends[0], ends[1]);
+            let strip = points.map(|(t, _)| (f64::from(t), 1.0 / pieces as f64));
+            for (t, part) in strip.chain([(0.0, -0.5), (1.0, -0.5)]) {
+                let mix = |a: f64, b: f64| a + t * (b - a);
+                let across = Moving { at: mix(from.at, to.at), change: mix(from.change, to.change) };
+                let (p, q) = if axis == 0 { (across, along) } else { (along, across) };
+                splat(p, q, part * mass, part * mass_change);
+            }
+        }
+    }
+    light
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Model {
+    lower: f64,
+    radius: Option<f64>,
+}
+
+#[test]
+fn the_adjoint_is_the_transpose_of_the_tangent_to_rounding() {
+    let plain = Model { lower: 0.0, radius: None };
+    for model in [
+        plain,
+        Model { lower: 0.3, ..plain },
+        Model { radius: Some(0.01), ..plain },
+        Model { lower: 0.1, radius: Some(0.4) },
+    ] {
+        let lattice = Lattice { n: 12, step: DVec2::new(0.05, 0.04) };
+        let concave = model.radius.map(|radius| ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 0.3));
+        let light = LightModel::new(lattice, bins(64), model.lower, concave);
+        let z = uneven(12, 0.03);
+        // No smooth function of the bins, so that each counts.
+        let phi: Vec<f32> = (0..64 * 64).map(|k| ((k as f64 * 12.9898).sin() * 43_758.545_3).fract() as f32).collect();
+        let (gradient, _) = light.adjoint(&EdgeSlopes::new(lattice, &z), &phi, 0.0);
+        for seed in 1..4 {
+            let direction: Vec<f64> = (0..144).map(|k| f64::from(seed * 100 + k).sin()).collect();
+            let change = tangent(lattice, &z, &direction, model);
+            let forward: f64 = change.iter().zip(&phi).map(|(a, b)| a * f64::from(*b)).sum();
+            let back: f64 = gradient.iter().zip(&direction).map(|(a, b)| f64::from(*a) * b).sum();
+            let size: f64 = gradient.iter().zip(&direction).map(|(a, b)| (f64::from(*a) * b).abs()).sum();
+            assert!((forward - back).abs() < 2e-5 * size, "{model:?}: {forward} {back} of {size}");
+        }
+    }
+}
+
+#[test]
+fn the_penaltys_gradient_is_its_derivative() {
+    let lattice = Lattice { n: 12, step: DVec2::new(0.05, 0.04) };
+    let concave = ConcaveEdges::new(lattice, Cutter::ball(0.02), 0.3);
+    let light = LightModel::new(lattice, bins(64), 0.0, Some(concave));
+    let z = uneven(12, 0.03);
+    let penalty = |z: &[f32]| light.penalty(&EdgeSlopes::new(lattice, z));
+    let (gradient, along) = light.adjoint(&EdgeSlopes::new(lattice, &z), &vec![0.0; 64 * 64], 0.4);
+    assert!((along / penalty(&z) - 1.0).abs() < 1e-6);
+    for seed in 1..4 {
+        let direction: Vec<f32> = (0..144).map(|k| (seed * 100 + k) as f32).map(f32::sin).collect();
+        let moved = |d: f32| -> Vec<f32> { z.iter().zip(&direction).map(|(z, v)| z + d * v).collect() };
+        let d = 2e-5;
+        let measured = 0.4 * (penalty(&moved(d)) - penalty(&moved(-d))) / f64::from(2.0 * d);
+        let ours: f64 = gradient.iter().zip(&direction).map(|(g, v)| f64::from(*g) * f64::from(*v)).sum();
+        let size: f64 = gradient.iter().zip(&direction).map(|(g, v)| (f64::from(*g) * f64::from(*v)).abs()).sum();
+        assert!((measured - ours).abs() < 1e-3 * size, "{measured} {ours} of {size}");
     }
 }

@@ -34,7 +34,7 @@ fn a_flat_plate_is_hit_where_the_ray_points_and_mirrors_it_away() {
     let target = DVec3::new(2.3, 1.7, 0.5);
     let hit = plate.first(target + 2.0 * l, -l).unwrap();
     assert!(hit.point.distance(target) < 1e-12);
-    assert_eq!((plate.kind(hit.place), plate.normal(hit.place)), (Kind::Relief, DVec3::Z));
+    assert_eq!((plate.kind(hit.place), plate.normal(hit.place)), (PieceKind::Relief, DVec3::Z));
     assert!(plate.next(&hit, mirror(l, plate.normal(hit.place))).is_none());
 }
 
@@ -64,12 +64,12 @@ fn walls_and_outer_sides_are_what_they_are() {
     // Low from the left over the lower facet against the wall of the higher one.
     let d = DVec3::new(1.0, 0.0, -0.2).normalize();
     let hit = plate.first(DVec3::new(-1.0, 0.5, 0.5), d).unwrap();
-    assert_eq!((plate.kind(hit.place), plate.normal(hit.place)), (Kind::Wall, -DVec3::X));
+    assert_eq!((plate.kind(hit.place), plate.normal(hit.place)), (PieceKind::Wall, -DVec3::X));
     assert_eq!(hit.point.x, 1.0);
     let back = plate.next(&hit, mirror(-d, plate.normal(hit.place))).unwrap();
-    assert_eq!(plate.kind(back.place), Kind::Relief);
+    assert_eq!(plate.kind(back.place), PieceKind::Relief);
     let outer = plate.first(DVec3::new(3.0, 0.5, 0.6), -d.with_z(0.2 * d.x)).unwrap();
-    assert_eq!((plate.kind(outer.place), plate.normal(outer.place)), (Kind::Outer, DVec3::X));
+    assert_eq!((plate.kind(outer.place), plate.normal(outer.place)), (PieceKind::Outer, DVec3::X));
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn a_tilted_plane_sends_the_mirrored_ray_on_its_way() {
         let light = direction(0.3, 1.0);
         let target = DVec3::new(1.0, 0.7, 5.0 + f64::from(climb));
         let hit = surface.first(target + 20.0 * light, -light).unwrap();
-        assert!((hit.point - target).length() < 1e-12 && surface.kind(hit.place) == Kind::Relief);
+        assert!((hit.point - target).length() < 1e-12 && surface.kind(hit.place) == PieceKind::Relief);
         assert!((surface.normal(hit.place) - Slope::new(f64::from(climb), 0.0).normal()).length() < 1e-15);
         assert!(surface.next(&hit, mirror(light, surface.normal(hit.place))).is_none());
     }
@@ -105,7 +105,7 @@ fn right_angles_send_light_back_after_two_bounces_even_from_their_edge() {
         assert!((follow(&slot, hit, -light, 2.0).1 - light).length() < 1e-12);
         // Along the wall: its upper edge is the end of the way.
         let hit = slot.first(DVec3::new(1.0, y, 9.0), DVec3::new(0.0, 0.05, -1.0)).unwrap();
-        assert!(slot.kind(hit.place) == Kind::Relief && (hit.point.z - 3.0).abs() < 1e-12);
+        assert!(slot.kind(hit.place) == PieceKind::Relief && (hit.point.z - 3.0).abs() < 1e-12);
         // From the ridge all goes straight up.
         let hit = groove.first(DVec3::new(2.0, y, 9.0), -DVec3::Z).unwrap();
         assert!(follow(&groove, hit, -DVec3::Z, 2.0).0 <= 2);
@@ -123,11 +123,11 @@ fn steps_are_walls_sides_are_outer_and_triangles_without_area_are_counted() {
         let (from, to) = (DVec3::from(from), DVec3::from(to));
         surface.first(from, to - from).map(|hit| surface.kind(hit.place))
     };
-    assert_eq!(kind([1.5, 1.0, 9.0], [1.5, 1.0, 0.0]), Some(Kind::Relief));
-    assert_eq!(kind([9.0, 1.0, 1.5], [0.0, 1.0, 1.5]), Some(Kind::Wall));
-    assert_eq!(kind([9.0, 1.0, 0.5], [0.0, 1.0, 0.5]), Some(Kind::Outer));
-    assert_eq!(kind([1.5, -9.0, 0.5], [1.5, 9.0, 0.5]), Some(Kind::Outer));
-    assert_eq!(kind([1.5, 1.0, -9.0], [1.5, 1.0, 9.0]), Some(Kind::Outer));
+    assert_eq!(kind([1.5, 1.0, 9.0], [1.5, 1.0, 0.0]), Some(PieceKind::Relief));
+    assert_eq!(kind([9.0, 1.0, 1.5], [0.0, 1.0, 1.5]), Some(PieceKind::Wall));
+    assert_eq!(kind([9.0, 1.0, 0.5], [0.0, 1.0, 0.5]), Some(PieceKind::Outer));
+    assert_eq!(kind([1.5, -9.0, 0.5], [1.5, 9.0, 0.5]), Some(PieceKind::Outer));
+    assert_eq!(kind([1.5, 1.0, -9.0], [1.5, 1.0, 9.0]), Some(PieceKind::Outer));
     assert_eq!(kind([9.0, 9.0, 9.0], [9.0, 9.0, 0.0]), None);
     assert_eq!(surface.height_range(), (1.0, 2.0));
 }
@@ -219,7 +219,7 @@ fn rays_that_are_none_meet_nothing() {
     for small in [1e-320, -1e-320, -0.0, 1e-40, -1e-10] {
         let hit = surface.first(above, DVec3::new(small, -small, -1.0)).unwrap();
         assert!((hit.point - DVec3::new(0.5, 1.0, 1.5)).length() < 1e-8);
-        assert_eq!(surface.kind(surface.next(&hit, DVec3::new(1.0, small, small)).unwrap().place), Kind::Relief);
+        assert_eq!(surface.kind(surface.next(&hit, DVec3::new(1.0, small, small)).unwrap().place), PieceKind::Relief);
     }
 }
 

@@ -215,6 +215,7 @@ impl BrdfAxes {
 
 /// Why a table cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum TableError {
     /// The polar axis is not one.
     #[error("the polar angles of incidence must rise from 0 to less than 90 degrees, two of them at least")]

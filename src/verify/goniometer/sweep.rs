@@ -11,7 +11,8 @@ use crate::progress::Progress;
 use crate::projection::Projection;
 use crate::setup::Setup;
 use crate::trace::Surface;
-use crate::verify::measure::{Experiment, Measuring, Screen, collect};
+use crate::verify::experiment::{Experiment, Measuring, Sensor};
+use crate::verify::measure::collect;
 
 /// A measured BRDF, and the light that it does not hold.
 #[derive(Clone, Debug)]
@@ -19,12 +20,12 @@ pub struct Swept {
     /// The BRDF.
     pub table: BrdfTable,
     /// By incident direction, as shares of incident light.
-    pub ledger: Vec<Ledger>,
+    pub balance: Vec<LightBalance>,
 }
 
 /// Where light from one incident direction went.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ledger {
+pub struct LightBalance {
     /// Left upward: the albedo.
     pub up: f64,
     /// Of what left upward, after more than one bounce.
@@ -45,7 +46,7 @@ struct HalfVectors<'a> {
     light: DVec3,
 }
 
-impl Screen for HalfVectors<'_> {
+impl Sensor for HalfVectors<'_> {
     fn size(&self) -> (usize, usize) {
         (self.axes.columns(), self.axes.rows())
     }
@@ -68,21 +69,21 @@ pub fn sweep<S: Surface>(
 ) -> Option<Swept> {
     let slices = axes.slices();
     let mut table = BrdfTable::new(axes.clone());
-    let mut ledger = Vec::with_capacity(slices);
+    let mut balance = Vec::with_capacity(slices);
     for slice in 0..slices {
         let (theta, phi) = axes.incident_angles(slice);
         let setup = Setup::new(theta, phi, 0.0, Projection::Equidistant, 1.0);
         let experiment = Experiment { material: material.clone(), ..Experiment::new(surface, &setup) };
         let seed = measuring.seed.wrapping_add((slice as u64) << 20);
-        let screen = HalfVectors { axes: &axes, light: setup.light() };
-        let measured = collect(&experiment, &screen, &Measuring { seed, ..*measuring }, &progress.hushed())?;
+        let sensor = HalfVectors { axes: &axes, light: setup.light() };
+        let measured = collect(&experiment, &sensor, &Measuring { seed, ..*measuring }, &progress.hushed())?;
         let whole = &measured.whole;
         let up = whole.up();
         let (mut share, mut error) = (whole.share_image().scaled(up), measured.pixel_errors().scaled(up));
         pool(table.axes(), table.slice_projected(slice), &mut share.values, &mut error.values);
-        // Lengths fit and all is finite: the table and the screen are of the same axes, and light came in.
+        // Lengths fit and all is finite: the table and the sensor are of the same axes, and light came in.
         let unheld = table.set_flux(slice, &share.values, &error.values).ok()? + whole.outside_image / whole.incident;
-        ledger.push(Ledger {
+        balance.push(LightBalance {
             up,
             multi_bounce: whole.multi_bounce(),
             taken: whole.taken / whole.incident,
@@ -92,7 +93,7 @@ pub fn sweep<S: Surface>(
         });
         progress.fraction((slice + 1) as f64 / slices as f64);
     }
-    Some(Swept { table, ledger })
+    Some(Swept { table, balance })
 }
 
 /// Half vectors nearer to the normal than this, degrees, are counted together.
@@ -156,7 +157,7 @@ mod tests {
         let analytic = BrdfTable::from_fn(axes.clone(), |wi, wo| material.eval(wi, wo) / wo.z);
         let mut tested = 0;
         for slice in 0..axes.slices() {
-            assert_eq!(swept.ledger[slice].past_edges, 0.0);
+            assert_eq!(swept.balance[slice].past_edges, 0.0);
             for (cell, (&mean, &error)) in
                 swept.table.slice(slice).iter().zip(swept.table.slice_error(slice)).enumerate()
             {
@@ -179,10 +180,10 @@ mod tests {
         let axes = BrdfAxes::anisotropic(vec![0.0, 0.7, 1.4], 4, 32, 16).unwrap();
         let measuring = Measuring { rays: 20_000, max_bounces: 64, ..Measuring::default() };
         let swept = sweep(&panel, &Material::MIRROR, axes, &measuring, &Progress::silent()).unwrap();
-        for (slice, ledger) in swept.ledger.iter().enumerate() {
-            assert!((ledger.up + ledger.trapped - 1.0).abs() < 1e-9, "{ledger:?}");
+        for (slice, balance) in swept.balance.iter().enumerate() {
+            assert!((balance.up + balance.trapped - 1.0).abs() < 1e-9, "{balance:?}");
             let (albedo, _) = swept.table.albedo(slice);
-            assert!((albedo + ledger.unheld - ledger.up).abs() < 1e-5, "{albedo} {ledger:?}");
+            assert!((albedo + balance.unheld - balance.up).abs() < 1e-5, "{albedo} {balance:?}");
         }
     }
 }

@@ -1,13 +1,13 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::lamp::Extent;
 use crate::projection::Projection;
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::setup::Setup;
 use crate::slope::Slope;
 use crate::trace::grid::GridSurface;
 use crate::trace::path::frame;
-use crate::verify::lamp::Lamp;
 
 fn flat() -> FacetedRelief {
     FacetedRelief::uniform(2, 2, DVec2::splat(20.0), vec![Facet { height: 0.0, slope: Slope::FLAT }; 4])
@@ -19,7 +19,12 @@ fn slanting() -> Setup {
 }
 
 fn under<'a>(surface: &'a GridSurface, setup: &'a Setup, material: &str, radius: f64) -> Experiment<'a, GridSurface> {
-    Experiment { surface, setup, material: material.parse().unwrap(), lamp: Lamp::round(radius) }
+    Experiment {
+        surface,
+        setup,
+        material: material.parse().unwrap(),
+        lamp: setup.lamp().with_extent(Extent::round(radius)).into(),
+    }
 }
 
 /// Largest |z| that so many normal deviates stay below with a chance of 99.7 % in all (Šidák), and then some for
@@ -37,12 +42,12 @@ fn a_matt_plate_is_as_bright_as_lambert_says() {
         field_of_view: 1.0,
         ..ViewSettings::default()
     };
-    let view = look(&under(&surface, &setup, "diffuse:0.6", 0.0), &settings, &Progress::silent()).unwrap();
+    let view = render(&under(&surface, &setup, "diffuse:0.6", 0.0), &settings, &Progress::silent()).unwrap();
     let expected = 0.6 * setup.light().z / PI;
     assert!(view.radiance.values.iter().all(|v| (v / expected - 1.0).abs() < 1e-12));
     // Past the plate's edge there is nothing, or the surroundings.
     let wide = ViewSettings { field_of_view: 10.0, ambient: 0.25, ..settings };
-    let view = look(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
+    let view = render(&under(&surface, &setup, "diffuse:0", 0.0), &wide, &Progress::silent()).unwrap();
     assert_eq!((view.radiance.at(0, 0), view.radiance.at(8, 6)), (0.25, 0.0));
     assert_eq!((view.radiance.at(0, 6), view.radiance.at(15, 6)), (0.25, 0.25), "nor any skirt below it");
 }
@@ -61,7 +66,7 @@ fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
     };
     for (material, radius) in [("aluminium:ggx:0.2", 0.0), ("aluminium:ggx:0.05", 0.1), ("paint:0.7:ggx:0.3", 0.2)] {
         let experiment = under(&surface, &setup, material, radius);
-        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = render(&experiment, &settings, &Progress::silent()).unwrap();
         let camera = settings.camera(&experiment);
         for k in 0..64 {
             let expected = over_pixel(k, settings.size, |uv| {
@@ -90,7 +95,7 @@ fn a_mirror_shows_the_lamp_at_its_own_radiance() {
     };
     for material in ["aluminium", "paint:0.5"] {
         let experiment = under(&surface, &setup, material, 0.02);
-        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = render(&experiment, &settings, &Progress::silent()).unwrap();
         let radiance = 1.0 / (2.0 * PI * (1.0 - f64::cos(0.02)));
         let pigment = experiment.material.eval(settings.toward(), setup.light());
         let expected = experiment.material.facet_share(setup.light().z) * radiance + pigment;
@@ -128,7 +133,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
                 ..ViewSettings::default()
             };
             // Mirrors do not show the point of light: only the surroundings shine on them.
-            let view = look(&under(&panel, &setup, material, 0.0), &settings, &Progress::silent()).unwrap();
+            let view = render(&under(&panel, &setup, material, 0.0), &settings, &Progress::silent()).unwrap();
             let lit = material != "mirror";
             for k in 0..12 * 9 {
                 let whole = view.radiance.values[k] + view.trapped.values[k];
@@ -162,13 +167,13 @@ fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
             rays: 1600,
             ..ViewSettings::default()
         };
-        let view = look(&experiment, &settings, &Progress::silent()).unwrap();
+        let view = render(&experiment, &settings, &Progress::silent()).unwrap();
         let camera = settings.camera(&experiment);
         let (mut inside, mut total) = (0, 0.0);
         for k in 0..24 * 24 {
             let radiance = |uv: DVec2| {
                 let seen = camera.direction(uv);
-                let Some(axes) = shape.frame(camera.eye, seen) else { return 0.0 };
+                let Some(axes) = shape.frame(camera.position, seen) else { return 0.0 };
                 let to_local = |v: DVec3| frame(DVec3::Z).transpose() * (axes.transpose() * v);
                 over_disc(setup.light(), radius, |l| experiment.material.eval(to_local(-seen), to_local(l)))
             };
@@ -213,7 +218,7 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
                             rays: 4,
                             ..ViewSettings::default()
                         };
-                        match look(&experiment, &settings, &Progress::silent()) {
+                        match render(&experiment, &settings, &Progress::silent()) {
                             Ok(view) => {
                                 seen += 1;
                                 let finite = |raster: &Raster| raster.values.iter().all(|v| v.is_finite() && *v >= 0.0);
@@ -260,7 +265,7 @@ fn nonsense_is_refused_and_nothing_depends_on_threads() {
 
     let taken = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| look(&rough, &fine, &Progress::silent()).unwrap())
+        pool.install(|| render(&rough, &fine, &Progress::silent()).unwrap())
     };
     assert_eq!(taken(1), taken(3));
 }

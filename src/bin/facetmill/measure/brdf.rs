@@ -9,12 +9,12 @@ use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{BrdfFacts, DirectionFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::goniometer::sweep::{Ledger, Swept, sweep};
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
 use facetmill::verify::goniometer::table::BrdfAxes;
-use facetmill::verify::measure::Measuring;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::{percent, row};
@@ -53,7 +53,7 @@ pub fn measure(
 ) -> Result<Outcome, Failure> {
     let axes = axes(args)?;
     let lights = axes.slices();
-    let rays = args.running.rays().unwrap_or(RAYS);
+    let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
     progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
@@ -91,7 +91,7 @@ pub fn measure(
         azimuths.iter().flat_map(|phi| drawn.map(|theta| (theta, phi.to_radians()))).collect();
     staged.write_png("maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
 
-    let worst = |share: fn(&Ledger) -> f64| swept.ledger.iter().map(share).fold(0.0, f64::max);
+    let worst = |share: fn(&LightBalance) -> f64| swept.balance.iter().map(share).fold(0.0, f64::max);
     let trapped = worst(|l| l.trapped);
     if trapped > 1e-3 {
         notes.push(format!(
@@ -100,20 +100,20 @@ pub fn measure(
         ));
     }
     let by_light: Vec<_> = swept
-        .ledger
+        .balance
         .iter()
         .enumerate()
-        .map(|(slice, ledger)| {
+        .map(|(slice, light)| {
             let (theta, phi) = table.axes().incident_angles(slice);
             DirectionFacts {
                 theta_deg: theta.to_degrees(),
                 phi_deg: phi.to_degrees(),
-                albedo: ledger.up,
-                multi_bounce: ledger.multi_bounce,
-                taken: ledger.taken,
-                trapped: ledger.trapped,
-                past_edges: ledger.past_edges,
-                unheld: ledger.unheld,
+                albedo: light.up,
+                multi_bounce: light.multi_bounce,
+                taken: light.taken,
+                trapped: light.trapped,
+                past_edges: light.past_edges,
+                unheld: light.unheld,
             }
         })
         .collect();

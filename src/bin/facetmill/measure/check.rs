@@ -3,8 +3,8 @@
 use facetmill::verify::render::{Shape, ViewSettings};
 use facetmill::verify::wall::WallSettings;
 
-use super::args::MeasureArgs;
 use super::brdf;
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 
 /// Wall and camera, mm.

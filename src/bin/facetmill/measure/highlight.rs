@@ -7,7 +7,8 @@ use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{HighlightImageFacts, Measured};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::measure::{HighlightImage, collect};
+use facetmill::verify::experiment::HighlightImage;
+use facetmill::verify::measure::collect;
 use facetmill::verify::tally::{Measurement, Tally};
 
 use super::{Bench, Outcome};

@@ -1,6 +1,5 @@
 //! `facetmill measure`: what light does on a plate, in one of five ways.
 
-pub mod args;
 mod brdf;
 mod check;
 mod highlight;
@@ -9,6 +8,8 @@ mod render;
 mod wall;
 
 use facetmill::brdf::material::Material;
+use facetmill::job::exports;
+use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
@@ -17,38 +18,15 @@ use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
-use facetmill::verify::lamp::Lamp;
-use facetmill::verify::measure::{Experiment, Measuring};
+use facetmill::verify::experiment::{Experiment, Measuring};
 
+use crate::args::MeasureArgs;
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::Staged;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
 use crate::tables::Row;
 use crate::values::ExtentArg;
-use args::MeasureArgs;
-
-/// Every file that any measurement may write.
-const FILES: &[&str] = &[
-    "highlight.png",
-    "highlight.tiff",
-    "highlight_error.tiff",
-    "brdf.bsdf",
-    "brdf.binary",
-    "brdf.csv",
-    "slices.png",
-    "maps.png",
-    "ndf.png",
-    "ndf.csv",
-    "masking.csv",
-    "wall.png",
-    "wall.tiff",
-    "wall_error.tiff",
-    "look.png",
-    "look.tiff",
-    "look_error.tiff",
-    "report.json",
-];
 
 /// All that every measurement needs, read and checked.
 struct Bench {
@@ -60,15 +38,15 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
-    lamp: Lamp,
+    lamp: Extent,
     measuring: Measuring,
 }
 
 impl Bench {
     /// The plate's surface as it is to be lit.
     fn experiment<'a, S: Surface>(&'a self, surface: &'a S) -> Experiment<'a, S> {
-        let (material, lamp) = (self.material.clone(), self.lamp.clone());
-        Experiment { surface, setup: &self.setup, material, lamp }
+        let lamp = self.setup.lamp().with_extent(self.lamp.clone()).into();
+        Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
 
@@ -94,7 +72,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         }
     }
     plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&args.output, args.running.force, FILES, &run.gate)?;
+    let mut staged = Staged::new(&args.output, args.running.force, exports::MEASURE.to_vec(), &run.gate)?;
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
@@ -152,19 +130,10 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
 
 /// The flags laid over what the folder of a design says.
 fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
-    if let Some([theta, phi]) = args.light {
-        (recipe.light.theta, recipe.light.phi) = (theta, phi);
-    }
-    recipe.light.radius = args.light_radius.unwrap_or(recipe.light.radius);
-    recipe.plate.lobe = args.lobe.unwrap_or(recipe.plate.lobe);
-    recipe.highlight.half_field = args.half_field.unwrap_or(recipe.highlight.half_field);
-    recipe.highlight.projection = args.projection.map_or(recipe.highlight.projection, Into::into);
-    recipe.highlight.seen = args.seen.map_or(recipe.highlight.seen, Into::into);
     // How long and with which chance the design was proven says nothing of this measurement.
     let usual = Recipe::default();
-    recipe.design.seed = args.seed.unwrap_or(usual.design.seed);
-    recipe.verify = usual.verify;
-    args.running.apply(&mut recipe);
+    (recipe.design.seed, recipe.verify) = (usual.design.seed, usual.verify);
+    args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
 }
@@ -198,10 +167,10 @@ fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Fa
 /// From the middle of a picture-shaped lamp to its rim, degrees.
 const LAMP_HALF_FIELD: f64 = 5.0;
 
-fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Lamp, Failure> {
-    let Some(path) = &args.lamp else { return Ok(Lamp::round(recipe.light.radius.to_radians())) };
+fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
+    let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
     let picture = picture::read(path, &Reading::default())?;
-    Lamp::picture(&picture.light, half_field.to_radians())
+    Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }

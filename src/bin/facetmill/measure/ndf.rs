@@ -11,8 +11,8 @@ use facetmill::trace::traced_plate::Task;
 use facetmill::verify::microgeometry::{Masking, NormalDistribution, masking};
 use glam::DVec2;
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::{percent, row};
@@ -47,7 +47,7 @@ pub fn measure(
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
     progress.stage(Stage::Normals);
-    let rays = args.running.rays().unwrap_or(RAYS);
+    let rays = args.rays().unwrap_or(RAYS);
     let task = Counted { rays, seed: bench.measuring.seed, progress };
     let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
         Failure::Impossible(

@@ -6,10 +6,10 @@ use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{Measured, ShapeFacts, ViewFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, look};
+use facetmill::verify::render::{RenderError, RenderedView, Shape, ViewSettings, render};
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::row;
@@ -20,16 +20,16 @@ const PATHS: u64 = 256;
 /// Paths a pixel at the most.
 const MOST_PATHS: u64 = 1 << 24;
 
-struct Looker<'a> {
+struct ViewTask<'a> {
     bench: &'a Bench,
     settings: ViewSettings,
     progress: &'a Progress<'a>,
 }
 
-impl Task for Looker<'_> {
+impl Task for ViewTask<'_> {
     type Output = Result<RenderedView, RenderError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        look(&self.bench.experiment(surface), &self.settings, self.progress)
+        render(&self.bench.experiment(surface), &self.settings, self.progress)
     }
 }
 
@@ -49,10 +49,10 @@ pub fn measure(
         Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
         Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
     };
-    let paths = args.running.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    let paths = args.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
     if paths > MOST_PATHS {
         let most = MOST_PATHS * (side * side) as u64;
-        let all = args.running.rays().unwrap_or(0);
+        let all = args.rays().unwrap_or(0);
         return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
     }
     let settings = ViewSettings {
@@ -68,7 +68,7 @@ pub fn measure(
         seed: bench.measuring.seed,
     };
     progress.stage(Stage::View);
-    let view = bench.plate.run(Looker { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
+    let view = bench.plate.run(ViewTask { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage(Stage::Files);
     let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
     staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
@@ -76,7 +76,7 @@ pub fn measure(
     staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (radiance, error) = (mean(&view.radiance.values), mean(&view.errors.values));
-    let measured = Measured::Look(ViewFacts {
+    let measured = Measured::View(ViewFacts {
         camera_deg: [theta, phi],
         distance_mm: distance,
         field_of_view_deg: settings.field_of_view,

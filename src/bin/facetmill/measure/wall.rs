@@ -8,16 +8,18 @@ use facetmill::recipe::Seen;
 use facetmill::report::measure::{Measured, WallFacts};
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
-use facetmill::verify::wall::{WallError, WallImage, WallSettings, throw};
+use facetmill::verify::wall::{WallError, WallImage, WallSettings, wall_image};
 
-use super::args::MeasureArgs;
 use super::{Bench, Outcome};
+use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
 use crate::tables::{percent, row};
 
 struct WallTask<'a> {
     bench: &'a Bench,
+    /// Distance and radius of a lamp nearby, mm.
+    ball: Option<(f64, f64)>,
     settings: WallSettings,
     progress: &'a Progress<'a>,
 }
@@ -25,7 +27,11 @@ struct WallTask<'a> {
 impl Task for WallTask<'_> {
     type Output = Result<WallImage, WallError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        throw(&self.bench.experiment(surface), &self.settings, &self.bench.measuring, self.progress)
+        let mut experiment = self.bench.experiment(surface);
+        if let Some((distance, radius)) = self.ball {
+            experiment = experiment.under_ball(distance, radius);
+        }
+        wall_image(&experiment, &self.settings, &self.bench.measuring, self.progress)
     }
 }
 
@@ -37,20 +43,16 @@ pub fn measure(
 ) -> Result<Outcome, Failure> {
     let usual = WallSettings::default();
     let wall_distance = args.wall.unwrap_or(usual.wall_distance);
-    let lamp_distance = args.lamp_distance.unwrap_or(usual.lamp_distance);
+    let lamp_distance = args.lamp_distance.unwrap_or(f64::INFINITY);
+    let lamp_radius = args.lamp_radius.unwrap_or(0.0);
     // The whole highlight, what the plate's own size adds, and a rim.
     let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
     let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
-    let settings = WallSettings {
-        lamp_distance,
-        lamp_radius: args.lamp_radius.unwrap_or(usual.lamp_radius),
-        wall_distance,
-        wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt),
-        half_width,
-    };
+    let settings = WallSettings { wall_distance, wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt), half_width };
     progress.stage(Stage::Wall);
-    let image = bench.plate.run(WallTask { bench, settings, progress }).map_err(refused)?;
+    let ball = args.lamp_distance.map(|distance| (distance, lamp_radius));
+    let image = bench.plate.run(WallTask { bench, ball, settings, progress }).map_err(refused)?;
     progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
@@ -67,7 +69,7 @@ pub fn measure(
         wall_distance_mm: wall_distance,
         wall_tilt_deg: settings.wall_tilt,
         lamp_distance_mm: lamp_distance.is_finite().then_some(lamp_distance),
-        lamp_radius_mm: settings.lamp_radius,
+        lamp_radius_mm: lamp_radius,
         width_mm: 2.0 * half_width,
         resolution: bench.measuring.resolution,
         pixels: "wall.tiff holds irradiance as a multiple of that on the plate's middle, row 0 at the top (v = +1)",

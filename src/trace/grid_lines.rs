@@ -4,7 +4,7 @@
 ///
 /// Where the lines are evenly spaced (all of them, or all but a rim) the interval is found by arithmetic.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lines {
+pub struct GridLines {
     at: Vec<f64>,
     /// Where interval 0 would begin if all were as long as the one in the middle.
     origin: f64,
@@ -12,7 +12,7 @@ pub struct Lines {
     density: f64,
 }
 
-impl Lines {
+impl GridLines {
     /// At least two ascending coordinates.
     pub fn new(at: &[f64]) -> Self {
         assert!(at.len() >= 2, "a grid has at least one interval");
@@ -70,7 +70,7 @@ mod tests {
         let rimmed = [&[-5.0][..], &even, &[9.0]].concat();
         let uneven = [0.0, 0.1, 0.7, 2.0, 2.1, 2.2, 3.0];
         for lines in [&even[..], &rimmed, &uneven, &[0.0, 1.0], &[0.0, 1.0, 5.0]] {
-            let axis = Lines::new(lines);
+            let axis = GridLines::new(lines);
             let (low, high) = axis.ends();
             for x in lines.iter().copied().chain((-50..150).map(|k| low + (high - low) * k as f64 / 100.0)) {
                 let expected = (0..axis.intervals()).rev().find(|&k| lines[k] <= x).unwrap_or(0);

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{ArgGroup, Args};
+use clap::{Arg, ArgGroup, Args};
 use facetmill::brdf::material::Material;
+use facetmill::recipe::settings::Setting;
 use facetmill::verify::render::Shape;
 
-use crate::args::RunningArgs;
+use super::RunningArgs;
+use super::settings::{SettingFlags, Takes, explained, seed_of_rays};
 use crate::values::*;
 
 /// Heading of the flags that say what is measured.
@@ -19,7 +21,6 @@ const RAYS: &str = "Rays sent over the plate  \
 
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("what").args(["brdf", "ndf", "wall", "look"])))]
-#[command(mut_arg("rays", |rays| rays.help(RAYS)))]
 pub struct MeasureArgs {
     /// A closed STL in mm, relief toward +z; or the folder of a design, whose recipe then gives lamp and field
     pub plate: PathBuf,
@@ -61,9 +62,6 @@ pub struct MeasureArgs {
     /// in light of 650 nm instead of 550.
     #[arg(long, value_name = "MATERIAL", help_heading = "Plate", value_parser = material, conflicts_with = "ndf")]
     pub material: Option<Material>,
-    /// Scatter of polished metal, degrees, as `design` has it, in place of a material  [default: the design's, else 0]
-    #[arg(long, value_name = "DEG", help_heading = "Plate", value_parser = number, conflicts_with_all = ["material", "ndf"])]
-    pub lobe: Option<f64>,
     /// Rim that is no optical area and is not lit, mm  [default: 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     pub margin: Option<f64>,
@@ -73,32 +71,15 @@ pub struct MeasureArgs {
     #[arg(long, value_enum, value_name = "EXTENT", help_heading = "Plate")]
     pub extent: Option<ExtentArg>,
 
-    /// The lamp: degrees from the plate's normal, azimuth from +x  [default: the design's, else 0,0]
-    ///
-    /// The azimuth counts counter-clockwise seen from above: 30,90 is a lamp 30° off the normal toward +y. The angle is
-    /// 0 to 85.
-    #[arg(long, value_name = "THETA,PHI", help_heading = "Light", value_parser = angles, allow_hyphen_values = true, conflicts_with_all = ["brdf", "ndf"])]
-    pub light: Option<[f64; 2]>,
-    /// Angular radius of a distant lamp, degrees; the sun has 0.2665  [default: the design's, else 0]
-    #[arg(long, value_name = "DEG", help_heading = "Light", value_parser = number, conflicts_with_all = ["brdf", "ndf", "lamp_distance"])]
-    pub light_radius: Option<f64>,
     /// A distant lamp that looks like this picture: a window, a softbox, a neon sign
     ///
     /// The picture is laid on the sky around --light, as seen from above the plate. PNG, JPEG, TIFF or WebP.
-    #[arg(long, value_name = "PICTURE", help_heading = "Light", conflicts_with_all = ["light_radius", "brdf", "ndf"])]
+    #[arg(long, value_name = "PICTURE", help_heading = "Light", conflicts_with_all = ["light-radius", "brdf", "ndf"])]
     pub lamp: Option<PathBuf>,
     /// Angle from the middle of the --lamp picture to its rim, degrees, 0.01 to 60  [default: 5]
     #[arg(long, value_name = "DEG", help_heading = "Light", value_parser = number, requires = "lamp")]
     pub lamp_half_field: Option<f64>,
 
-    /// Angle from the image's middle, a flat plate's mirror direction, to its rim, degrees  [default: the design's, else 20]
-    ///
-    /// With --wall it only says how wide the wall's picture is, unless --wall-width does.
-    #[arg(long, value_name = "DEG", help_heading = "Image", value_parser = number, conflicts_with_all = ["brdf", "ndf", "look"])]
-    pub half_field: Option<f64>,
-    /// How directions are laid out on the highlight image  [default: the design's, else orthographic]
-    #[arg(long, value_enum, value_name = "HOW", help_heading = "Image", conflicts_with_all = ["brdf", "ndf", "wall", "look"])]
-    pub projection: Option<ProjectionArg>,
     /// Pixels a side of the picture, 16 to 4096 (--wall: 2048)  [default: 256]
     #[arg(long, value_name = "N", help_heading = "Image", value_parser = count, conflicts_with = "brdf")]
     pub resolution: Option<usize>,
@@ -128,13 +109,6 @@ pub struct MeasureArgs {
     /// Width of the wall's picture, mm  [default: all of the highlight image and its blur]
     #[arg(long, value_name = "MM", help_heading = "Wall", value_parser = number, requires = "wall")]
     pub wall_width: Option<f64>,
-    /// From which side wall.png shows the wall  [default: the design's, else from-above]
-    ///
-    /// A picture designed as seen from above the plate is mirrored on a wall. on-wall shows the wall as people before
-    /// it see it; from-above like the highlight image. wall.tiff is always from-above.
-    #[arg(long, value_enum, value_name = "SIDE", help_heading = "Wall", requires = "wall")]
-    pub seen: Option<SeenArg>,
-
     /// Where the camera stands: degrees from the plate's normal, 0 to 89.9, azimuth from +x  [default: 0,0]
     #[arg(long, value_name = "THETA,PHI", help_heading = "Look", value_parser = angles, allow_hyphen_values = true, requires = "look")]
     pub camera: Option<[f64; 2]>,
@@ -166,9 +140,42 @@ pub struct MeasureArgs {
     /// Bounces followed, 1 to 1000; light that wants more is told as trapped  [default: 8]
     #[arg(long, value_name = "N", help_heading = "Running", value_parser = whole, conflicts_with = "ndf")]
     pub max_bounces: Option<u64>,
-    /// Seed of the rays  [default: 1]
-    #[arg(long, value_name = "N", help_heading = "Running", value_parser = whole)]
-    pub seed: Option<u64>,
+
+    #[command(flatten)]
+    pub settings: SettingFlags<ByMeasure>,
+}
+
+impl MeasureArgs {
+    /// Rays, if the flag was given.
+    pub fn rays(&self) -> Option<u64> {
+        self.settings.has("rays").then(|| self.settings.alone().verify.rays)
+    }
+}
+
+/// `facetmill measure` takes what the lamp, the metal and the image are, and how light is sent.
+#[derive(Clone, Copy, Debug)]
+pub struct ByMeasure;
+
+impl Takes for ByMeasure {
+    fn takes(setting: &Setting) -> bool {
+        ["half-field", "projection", "seen", "light", "light-radius", "lobe", "seed", "rays"].contains(&setting.name)
+    }
+
+    fn shown(setting: &Setting, flag: Arg) -> Arg {
+        // Before what this command alone has under the same heading.
+        let flag = flag.display_order(0);
+        let usual = |flag| explained(flag, setting, "the design's, else ");
+        match setting.name {
+            "rays" => flag.help(RAYS),
+            "seed" => seed_of_rays(flag, setting),
+            "lobe" => usual(flag).help_heading("Plate").conflicts_with_all(["material", "ndf"]),
+            "light" => usual(flag).help_heading("Light").conflicts_with_all(["brdf", "ndf"]),
+            "light-radius" => usual(flag).help_heading("Light").conflicts_with_all(["brdf", "ndf", "lamp_distance"]),
+            "half-field" => usual(flag).help_heading("Image").conflicts_with_all(["brdf", "ndf", "look"]),
+            "projection" => usual(flag).help_heading("Image").conflicts_with_all(["brdf", "ndf", "wall", "look"]),
+            _ => usual(flag).help_heading("Wall").requires("wall"),
+        }
+    }
 }
 
 /// What a relief is wrapped on.

@@ -15,11 +15,11 @@ const STEEPNESS: [f64; 3] = [3.0, 1.0, 0.25];
 
 /// The bounds of each cell, one a steepness.
 #[derive(Clone, Debug)]
-pub struct Cones {
+pub struct EscapeBounds {
     bounds: Vec<[f32; STEEPNESS.len()]>,
 }
 
-impl Cones {
+impl EscapeBounds {
     /// From the highest point of each cell, rows of `columns`, and the shortest way across a cell. `periodic` grids
     /// continue into themselves.
     pub fn new(tops: &[f64], columns: usize, pitch: f64, periodic: bool) -> Self {
@@ -115,7 +115,7 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
         for (columns, rows, periodic) in [(9, 7, false), (7, 5, true), (1, 6, false), (1, 1, false)] {
             let tops: Vec<f64> = (0..columns * rows).map(|_| 3.0 * random.random::<f64>().powi(3)).collect();
-            let cones = Cones::new(&tops, columns, 0.5, periodic);
+            let bounds = EscapeBounds::new(&tops, columns, 0.5, periodic);
             for (index, level) in (0..tops.len()).flat_map(|index| (0..STEEPNESS.len()).map(move |k| (index, k))) {
                 let apart = |a: usize, b: usize, n: usize| {
                     let d = a.abs_diff(b);
@@ -131,7 +131,7 @@ mod tests {
                         tops[other] - STEEPNESS[level] * 0.5 * (dx.max(dy) - 1) as f64
                     })
                     .fold(f64::NEG_INFINITY, f64::max);
-                let bound = cones.bound(index, level);
+                let bound = bounds.bound(index, level);
                 // What wraps round to a cell itself, or a neighbour's neighbour, may lift a bound, never lower it.
                 assert!(bound >= expected, "{bound} {expected}");
                 if !periodic && tops.len() > 1 && tops[index] < expected {
@@ -143,11 +143,11 @@ mod tests {
 
     #[test]
     fn levels_go_from_steep_to_grazing() {
-        assert_eq!(Cones::level(DVec3::Z), Some(0));
-        assert_eq!(Cones::level(DVec3::new(1.0, 0.0, 1.0).normalize()), Some(1));
-        assert_eq!(Cones::level(DVec3::new(1.0, 0.0, 0.9)), Some(2));
-        assert_eq!(Cones::level(DVec3::new(1.0, 0.0, 0.1)), None);
-        assert_eq!(Cones::level(-DVec3::Z), None);
-        assert_eq!(Cones::level(DVec3::new(f64::NAN, 0.0, f64::NAN)), None);
+        assert_eq!(EscapeBounds::level(DVec3::Z), Some(0));
+        assert_eq!(EscapeBounds::level(DVec3::new(1.0, 0.0, 1.0).normalize()), Some(1));
+        assert_eq!(EscapeBounds::level(DVec3::new(1.0, 0.0, 0.9)), Some(2));
+        assert_eq!(EscapeBounds::level(DVec3::new(1.0, 0.0, 0.1)), None);
+        assert_eq!(EscapeBounds::level(-DVec3::Z), None);
+        assert_eq!(EscapeBounds::level(DVec3::new(f64::NAN, 0.0, f64::NAN)), None);
     }
 }

@@ -1,0 +1,76 @@
+//! The flags of `facetmill design`, and how they become a recipe.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use facetmill::recipe::{Recipe, SurfaceKind};
+
+use super::RunningArgs;
+use super::settings::{ByDesign, SettingFlags};
+use crate::values::MethodArg;
+
+#[derive(Debug, Args)]
+pub struct DesignArgs {
+    /// The highlight: PNG, JPEG, TIFF or WebP, bright where light shall be
+    #[arg(required_unless_present = "recipe")]
+    pub picture: Option<PathBuf>,
+    /// Folder for the results; made if it does not exist
+    #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present = "dry_run")]
+    pub output: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub settings: SettingFlags<ByDesign>,
+
+    /// Set every choice to a published method's; flags beside it override it
+    #[arg(long, value_enum, value_name = "NAME", help_heading = "Design", conflicts_with = "recipe")]
+    pub method: Option<MethodArg>,
+    /// Start from the settings of a recipe.toml; flags beside it override it
+    ///
+    /// A picture that the recipe names is looked for from the folder you are in.
+    #[arg(long, value_name = "FILE", help_heading = "Design")]
+    pub recipe: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub running: RunningArgs,
+    /// Keep a picture of the highlight after each step of a sheet, and the state to go on from
+    ///
+    /// They come into DIR/snapshots while the design runs and stay there whatever happens. Each picture shows the light
+    /// of one cell at its first bounce, as bright as simulated.png.
+    #[arg(long, help_heading = "Running", conflicts_with = "dry_run")]
+    pub snapshots: bool,
+    /// Go on from DIR/snapshots of an earlier run of the same settings, and keep snapshots
+    ///
+    /// The result is the same, byte for byte, as without the break. Only --rays and --no-verify may differ.
+    #[arg(long, help_heading = "Running", conflicts_with = "dry_run")]
+    pub resume: bool,
+    /// Do not trace light over the result
+    #[arg(long, help_heading = "Running")]
+    pub no_verify: bool,
+    /// Tell sizes, STL bytes and time without designing; needs no -o
+    #[arg(long, help_heading = "Running")]
+    pub dry_run: bool,
+}
+
+impl DesignArgs {
+    /// Lays the flags over `recipe`.
+    pub fn apply(&self, recipe: &mut Recipe) {
+        if let Some(picture) = &self.picture {
+            // A name that is not Unicode cannot stand in the recipe; none is better than a wrong one.
+            recipe.picture = picture.to_str().map(Into::into);
+        }
+        self.settings.apply(recipe);
+    }
+
+    /// The kind of relief, if the flag was given.
+    pub fn surface(&self) -> Option<SurfaceKind> {
+        self.settings.alone().plate.surface
+    }
+
+    /// The recipe that the other flags are laid over, if it is not one from a file.
+    pub fn base(&self) -> Recipe {
+        match self.method {
+            Some(MethodArg::Weyrich2009) => Recipe::weyrich2009(),
+            None => Recipe::default(),
+        }
+    }
+}

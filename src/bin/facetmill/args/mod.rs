@@ -1,0 +1,119 @@
+//! The command line.
+
+pub mod settings;
+
+mod design;
+
+mod measure;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::values::threads;
+
+pub use design::DesignArgs;
+pub use measure::MeasureArgs;
+use settings::{ByVerify, SettingFlags};
+
+/// Turns a drawn highlight into a relief that can be milled and that really reflects it.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 110, arg_required_else_help = true)]
+#[command(after_help = "\
+First steps:
+  facetmill design ring.png -o ring     then look at ring/comparison.png and mill ring/plate.stl
+  facetmill design --help               what each setting means, in millimetres and degrees
+
+Exit codes: 0 done, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
+5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Design a plate whose reflection is the picture; write STL, pictures and a report
+    ///
+    /// The folder receives plate.stl (closed solid, mm), heightmap.png with heightmap.json, target.png, simulated.png,
+    /// comparison.png (look at this one first; comparison_milled.png with a cutter), relief.png, report.json, and
+    /// recipe.toml: every setting, so that `facetmill design --recipe recipe.toml -o DIR` makes the same files again.
+    ///
+    /// Ctrl-C while a sheet is sculpted finishes the best so far, proof and files included, once the first
+    /// tries are done; a second one stops at once and leaves nothing.
+    #[command(after_help = "\
+Examples:
+  facetmill design ring.png -o ring --half-field 20 --size 30x30 --for-cutter ball:0.5
+  facetmill design logo.png -o logo --projection screen --quantity flux --seen on-wall   a logo thrown on a wall
+  facetmill design ring.png -o facets --facets 30x30           900 flat mirrors instead of one sheet
+  facetmill design ring.png --facets 200x200 --dry-run                                   how large, how long?")]
+    #[command(allow_negative_numbers = true)]
+    Design(Box<DesignArgs>),
+    /// Trace light over any closed STL (mm) and score it against a picture
+    ///
+    /// The plate lies in the xy plane with its relief toward +z; who made it does not matter. The folder receives
+    /// target.png, simulated.png, comparison.png and report.json.
+    #[command(after_help = "Example: facetmill verify ring/plate.stl --against ring.png -o proof --half-field 20")]
+    #[command(allow_negative_numbers = true)]
+    Verify(Box<VerifyArgs>),
+    /// Measure what light does on a plate: highlight, BRDF, normals, a wall, or what a person sees
+    ///
+    /// Light is sent over the plate ray by ray, with every bounce, shadow and loss. By itself this measures the
+    /// highlight of one lamp: highlight.png, highlight.tiff with all digits (shares of the light that leaves upward,
+    /// 32-bit float) and highlight_error.tiff (the standard error of each pixel). report.json always holds the figures.
+    /// One of --brdf, --ndf, --wall and --look measures something else instead.
+    ///
+    /// PLATE is any closed STL, or the folder of a design, whose lamp and field are then the defaults; a --level design
+    /// is lit as mounted. Lengths are in mm, angles in degrees; --light-radius 0.2665 is the sun.
+    #[command(after_help = "\
+Examples:
+  facetmill measure ring -o seen --material aluminium:ggx:0.05       the highlight that worn aluminium shows
+  facetmill measure ring -o fine --light-radius 0.2665 --error 0.002   under the sun, to a stated error
+  facetmill measure ring -o brdf --brdf --material brass:ggx:0.1     .bsdf for Mitsuba, CSV, polar slices, maps
+  facetmill measure ring/plate.stl -o normals --ndf                  slopes, and how much is hidden from where
+  facetmill measure ring -o wall --wall 1000 --lamp-distance 1500 --lamp-radius 5
+  facetmill measure ring -o ball --look --wrap sphere:40 --material aluminium:ggx:0.05 --light 30,90")]
+    #[command(allow_negative_numbers = true)]
+    Measure(Box<MeasureArgs>),
+}
+
+#[derive(Debug, Args)]
+pub struct VerifyArgs {
+    /// A closed STL in mm, relief toward +z
+    pub plate: PathBuf,
+    /// The picture that the light is scored against
+    #[arg(long, value_name = "PICTURE")]
+    pub against: PathBuf,
+    /// Folder for the results; made if it does not exist
+    #[arg(short = 'o', long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+
+    #[command(flatten)]
+    pub settings: SettingFlags<ByVerify>,
+
+    /// Rim that is not optical area, mm  [default: 0]
+    #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = crate::values::number)]
+    pub margin: Option<f64>,
+    /// Tilt at which the plate is mounted, degrees from +z and azimuth, as a --level design reports it
+    #[arg(long, value_name = "THETA,PHI", help_heading = "Plate", value_parser = crate::values::angles, allow_hyphen_values = true)]
+    pub mount: Option<[f64; 2]>,
+    #[command(flatten)]
+    pub running: RunningArgs,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Running")]
+pub struct RunningArgs {
+    /// Threads; results do not depend on it  [default: one a core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Replace the files of an earlier run; files of other names are left alone
+    #[arg(long)]
+    pub force: bool,
+    /// Print the report, or the error, as JSON on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// No progress and no table; errors are still told
+    #[arg(long)]
+    pub quiet: bool,
+}

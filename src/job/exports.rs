@@ -1,0 +1,204 @@
+//! Every file of an output folder: its name, what it is, when it is written, and how.
+//!
+//! A new file of a design is one more line of [`DESIGN`], and one of the README's table. Which files may be replaced, what
+//! `.ci/run` expects of its example and what the README lists follow from here; tests hold the latter two to it.
+
+use std::cell::OnceCell;
+use std::io::{self, Write};
+
+use super::pictures::{ProofPictures, target_picture};
+use super::product::{Product, png};
+use crate::export::heightmap::{HeightMap, height_map};
+use crate::export::shading::relief_picture;
+use crate::export::stl::write_stl;
+use crate::highlight::scored_target;
+use crate::picture::Picture;
+use crate::report::text;
+
+/// Pixels along the longer side of the height map, at the most.
+const HEIGHT_MAP_SIDE: usize = 2048;
+
+/// Pixels along the longer side of the relief's picture.
+const RELIEF_PICTURE_SIDE: usize = 960;
+
+/// Pixels along a side of the target where no proof has one.
+const TARGET_SIDE: usize = 256;
+
+/// A file that a design may write.
+pub struct Export {
+    /// Its name in the folder.
+    pub name: &'static str,
+    /// When it is written.
+    pub when: When,
+    write: fn(&Source, &mut dyn Write) -> io::Result<()>,
+}
+
+/// When a file is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// With every design.
+    Always,
+    /// If light was sent over the plate.
+    Proved,
+    /// If light was sent over the plate as a cutter or polish leaves it.
+    Milled,
+}
+
+/// The files of a design, in the order in which they are written.
+pub const DESIGN: &[Export] = &[
+    Export {
+        name: "plate.stl",
+        when: When::Always,
+        write: |from, mut out| write_stl(&from.product.design.mesh, &mut out),
+    },
+    Export { name: "heightmap.png", when: When::Always, write: |from, out| png(&from.map().image, out) },
+    Export {
+        name: "heightmap.json",
+        when: When::Always,
+        write: |from, out| out.write_all(text(&from.map().sidecar).as_bytes()),
+    },
+    Export { name: "relief.png", when: When::Always, write: |from, out| from.relief(out) },
+    Export { name: "target.png", when: When::Always, write: |from, out| from.target(out) },
+    Export {
+        name: "simulated.png",
+        when: When::Proved,
+        write: |from, out| from.proof(|p, out| png(&p.simulated, out), out),
+    },
+    Export {
+        name: "comparison.png",
+        when: When::Proved,
+        write: |from, out| from.proof(|p, out| png(&p.comparison, out), out),
+    },
+    Export {
+        name: "comparison_milled.png",
+        when: When::Milled,
+        write: |from, out| from.proof(|p, out| p.milled.as_ref().map_or(Ok(()), |page| png(page, out)), out),
+    },
+    Export {
+        name: "recipe.toml",
+        when: When::Always,
+        write: |from, out| out.write_all(from.product.recipe.to_toml().as_bytes()),
+    },
+    Export {
+        name: "report.json",
+        when: When::Always,
+        write: |from, out| out.write_all(text(&from.product.report(from.picture)).as_bytes()),
+    },
+];
+
+/// Every file that a verification may write.
+pub const VERIFY: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
+
+/// Every file that any measurement may write.
+pub const MEASURE: &[&str] = &[
+    "highlight.png",
+    "highlight.tiff",
+    "highlight_error.tiff",
+    "brdf.bsdf",
+    "brdf.binary",
+    "brdf.csv",
+    "slices.png",
+    "maps.png",
+    "ndf.png",
+    "ndf.csv",
+    "masking.csv",
+    "wall.png",
+    "wall.tiff",
+    "wall_error.tiff",
+    "look.png",
+    "look.tiff",
+    "look_error.tiff",
+    "report.json",
+];
+
+/// The names of all files that a design may write.
+pub fn names() -> Vec<&'static str> {
+    DESIGN.iter().map(|export| export.name).collect()
+}
+
+/// What the files are made from; what several need is made once, when the first asks.
+pub(super) struct Source<'a> {
+    product: &'a Product,
+    picture: &'a Picture,
+    map: OnceCell<HeightMap>,
+    pictures: OnceCell<ProofPictures>,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(product: &'a Product, picture: &'a Picture) -> Self {
+        Self { product, picture, map: OnceCell::new(), pictures: OnceCell::new() }
+    }
+
+    /// The files that are to be written.
+    pub(super) fn due(&self) -> impl Iterator<Item = &'static Export> {
+        let proof = self.product.proof.as_ref();
+        let (proved, milled) = (proof.is_some(), proof.is_some_and(|proof| proof.milled.is_some()));
+        DESIGN.iter().filter(move |export| match export.when {
+            When::Always => true,
+            When::Proved => proved,
+            When::Milled => milled,
+        })
+    }
+
+    fn map(&self) -> &HeightMap {
+        self.map.get_or_init(|| height_map(&self.product.design.relief, HEIGHT_MAP_SIDE))
+    }
+
+    fn relief(&self, out: &mut dyn Write) -> io::Result<()> {
+        png(&relief_picture(&self.product.design.relief, &self.product.made_of(), RELIEF_PICTURE_SIDE), out)
+    }
+
+    fn target(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Product { recipe, design, proof, .. } = self.product;
+        let setup = &design.distribution.setup;
+        let unproved = || scored_target(&self.picture.light, recipe.highlight.quantity, setup, TARGET_SIDE);
+        let target = proof.as_ref().map_or_else(unproved, |proof| proof.target.clone());
+        png(&target_picture(&target, recipe), out)
+    }
+
+    /// Writes one of the pictures of the proof.
+    fn proof(
+        &self,
+        write: fn(&ProofPictures, &mut dyn Write) -> io::Result<()>,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        let Product { recipe, design, proof: Some(proof), .. } = self.product else { return Ok(()) };
+        let view = design.distribution.setup.view();
+        write(self.pictures.get_or_init(|| ProofPictures::new(proof, recipe, view, &self.product.in_one_line())), out)
+    }
+}
+
+impl Export {
+    /// Writes the file.
+    pub(super) fn write(&self, from: &Source, out: &mut dyn Write) -> io::Result<()> {
+        (self.write)(from, out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn repository(file: &str) -> String {
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap()
+    }
+
+    #[test]
+    fn the_readme_lists_every_file_of_a_design_and_the_script_expects_them() {
+        let (readme, script) = (repository("README.md"), repository(".ci/run"));
+        let table = readme.split_once("| file | what it is |").unwrap().1;
+        let table = table.split_once("\n\n").unwrap().0;
+        let expected = script.lines().find_map(|line| line.trim().strip_prefix("for file in plate.stl ")).unwrap();
+        let mut expected: Vec<&str> = expected.split(';').next().unwrap().split(' ').chain(["plate.stl"]).collect();
+        let mut names = names();
+        for name in &names {
+            assert!(table.contains(&format!("`{name}`")), "README's table of files lacks {name}");
+        }
+        // The example has a cutter and is proved: it writes all there is.
+        names.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(names, expected, "the files that .ci/run looks for in its example");
+    }
+}

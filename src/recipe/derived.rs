@@ -1,0 +1,107 @@
+//! What follows from a recipe: what was not given, and what each stage asks for.
+
+use super::{
+    Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Recipe, Seen, SurfaceKind,
+};
+use crate::brdf::material::{Material, Substance};
+use crate::brdf::microfacet::Lobe;
+use crate::facets::arrange::anneal::Annealing;
+use crate::facets::sample::Sampling;
+use crate::picture::Reading;
+use crate::sculpt::plan::{SheetSpec, suitable_grid};
+use crate::setup::Setup;
+use crate::sharpen::BlurKernel;
+
+impl Recipe {
+    /// Facets along x and y: as asked, or 30 each way.
+    pub fn facets(&self) -> [usize; 2] {
+        self.plate.facets.unwrap_or([30, 30])
+    }
+
+    /// How facets are drawn.
+    pub fn sampling(&self) -> Sampling {
+        self.design.sample.unwrap_or_default()
+    }
+
+    /// Which facet goes where.
+    pub fn arrangement(&self) -> Arrangement {
+        self.design.arrange.unwrap_or_default()
+    }
+
+    /// How facets are annealed, where they are.
+    pub fn annealing(&self) -> Annealing {
+        self.design.annealing.unwrap_or_default()
+    }
+
+    /// Triangles of a sheet at the most.
+    pub fn most_triangles(&self) -> usize {
+        self.plate.max_triangles.unwrap_or(3_000_000)
+    }
+
+    /// How heights are found: as asked, or cyclic where the arrangement is cyclic.
+    pub fn heights(&self) -> Heights {
+        self.design.heights.unwrap_or(match self.arrangement() {
+            Arrangement::Anneal => Heights::Cyclic,
+            Arrangement::Transport | Arrangement::Random => Heights::Free,
+        })
+    }
+
+    /// Cells along x and y: as asked; else one dome of facets, and about nine cells of a sheet, as square as
+    /// the plate lets them be.
+    pub fn cells(&self) -> [usize; 2] {
+        let usual = || match self.surface() {
+            SurfaceKind::Facets => [1, 1],
+            SurfaceKind::Sheet => {
+                let [x, y] = self.plate.size;
+                let side = (x * y / 9.0).sqrt().min(x).min(y);
+                [x, y].map(|length| (length / side).round() as usize)
+            }
+        };
+        self.plate.cells.map_or_else(usual, |cells| [cells; 2])
+    }
+
+    /// What a sheet of this recipe shall be.
+    pub fn sculpting(&self) -> SheetSpec {
+        let PlateSettings { size, grid, .. } = self.plate;
+        let cells = self.cells();
+        let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
+        let DesignSettings { sheet: settings, seed, .. } = self.design;
+        let suitable = || suitable_grid(cell, cells, settings.cutter, self.most_triangles());
+        SheetSpec { cell, cells, grid: grid.unwrap_or_else(suitable), seed, settings }
+    }
+
+    /// How the picture file is to be read.
+    pub fn reading(&self) -> Reading {
+        let HighlightSettings { encoding, invert, rotate, fit, seen, .. } = self.highlight;
+        Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
+    }
+
+    /// Light, image and a plate lying flat.
+    pub fn setup(&self) -> Setup {
+        let LightSettings { theta, phi, radius } = self.light;
+        let HighlightSettings { projection, half_field, .. } = self.highlight;
+        let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);
+        Setup::new(theta, phi, radius, projection, half_field)
+    }
+
+    /// What the lamp of `setup` and the plate's metal blur, if they do.
+    pub fn blur(&self, setup: &Setup) -> Option<BlurKernel> {
+        BlurKernel::new(setup, self.plate.lobe.to_radians())
+    }
+
+    /// What the plate is made of: a mirror that takes no light, with Gaussian microscopic slopes if it has a lobe.
+    ///
+    /// A tilt by t throws light 2t aside, so that their standard deviation is half the lobe's, and Beckmann's α is √2
+    /// times that. Below [`Lobe::ALPHA`](crate::brdf::microfacet::Lobe::ALPHA), about 0.08°, it is smooth.
+    pub fn metal(&self) -> Material {
+        let slope = 0.5 * self.plate.lobe.to_radians();
+        let lobe = Lobe::beckmann_of_rms(slope, slope).ok();
+        Material::new(Substance::Mirror, lobe).unwrap_or_default()
+    }
+
+    /// Size of a facet, mm.
+    pub fn pitch(&self) -> glam::DVec2 {
+        let (size, facets) = (self.plate.size, self.facets());
+        glam::DVec2::new(size[0] / facets[0] as f64, size[1] / facets[1] as f64)
+    }
+}

@@ -1,0 +1,179 @@
+//! Every setting once: its name, its place in a recipe, unit, range, kind of relief, and what it means.
+//!
+//! The command line's flags with their help, the recipe's range checks, the refusals of what only the other kind of relief
+//! has, and the report's remedies are made from [`SETTINGS`]; a form on a page can be.
+
+pub mod value;
+
+mod table;
+
+#[cfg(test)]
+mod tests;
+
+pub use table::{LEAST_GRID, MOST_FACETS, SETTINGS};
+pub use value::Value;
+
+use super::{Recipe, RecipeError, SurfaceKind};
+
+/// One thing that a recipe can be told.
+#[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
+pub struct Setting {
+    /// Its name, which is its flag's without dashes.
+    pub name: &'static str,
+    /// What earlier versions called it.
+    pub before: Option<&'static str>,
+    /// Its place in a recipe's TOML, tables and key with dots between.
+    pub key: &'static str,
+    /// What it is about.
+    pub section: Section,
+    /// How it is written.
+    pub form: Form,
+    /// Unit of its numbers.
+    pub unit: Unit,
+    /// Least and most of each of its numbers, in order; the last counts for all that follow.
+    pub ranges: &'static [[f64; 2]],
+    /// The only kind of relief that has it.
+    pub only: Option<SurfaceKind>,
+    /// What is taken where it is not given, if that is no value of its own.
+    pub unset: &'static str,
+    /// What it is, in a line.
+    pub help: &'static str,
+    /// What else to know of it.
+    pub more: &'static str,
+    /// What may bring a sheet closer to the picture where this setting stands in the way.
+    pub remedy: &'static str,
+    /// Its place in a recipe.
+    pub at: fn(&mut Recipe) -> &mut dyn Value,
+}
+
+/// What a setting is about: a heading of the help, or of a form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// The picture and the lamp.
+    Optics,
+    /// The piece of metal.
+    Plate,
+    /// How the relief comes about.
+    Design,
+    /// How it is proved.
+    Running,
+}
+
+impl Section {
+    /// The heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Optics => "Highlight and light",
+            Self::Plate => "Plate",
+            Self::Design => "Design",
+            Self::Running => "Running",
+        }
+    }
+}
+
+/// How a setting is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// As this placeholder says: one number, or two with what stands between them, or a cutter.
+    Text(&'static str),
+    /// One of these words.
+    Words(&'static str, &'static [Word]),
+    /// True or false; alone it is true.
+    Switch,
+    /// Each word is a flag of its own.
+    Switches(&'static [Word]),
+    /// A table of a recipe, which has no flag.
+    Table,
+}
+
+/// A word that a setting takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Word {
+    /// The word.
+    pub word: &'static str,
+    /// What earlier versions wrote for it.
+    pub before: Option<&'static str>,
+    /// What it means.
+    pub help: &'static str,
+}
+
+/// Unit of a setting's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// None: counts, words.
+    None,
+    /// Millimetres.
+    Millimetres,
+    /// Degrees.
+    Degrees,
+}
+
+impl Unit {
+    /// As it is written in sentences.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "",
+            Self::Millimetres => "mm",
+            Self::Degrees => "degrees",
+        }
+    }
+}
+
+impl Setting {
+    /// The setting of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        SETTINGS.iter().find(|setting| setting.name == name)
+    }
+
+    /// Takes `text`, written as on the command line.
+    pub fn read(&self, recipe: &mut Recipe, text: &str) -> Result<(), String> {
+        (self.at)(recipe).read(text)?;
+        // 0 of what may be left out, where 0 is allowed, has always been the same as leaving it out.
+        if self.ranges.first().is_some_and(|[low, _]| *low == 0.0) && (self.at)(recipe).numbers() == [0.0] {
+            (self.at)(recipe).clear();
+        }
+        Ok(())
+    }
+
+    /// What `recipe` says, written as on the command line; `None` if it says nothing.
+    pub fn written(&self, recipe: &Recipe) -> Option<String> {
+        (self.at)(&mut recipe.clone()).written()
+    }
+
+    /// What is taken where it is not given, in words; empty if that goes without saying.
+    pub fn default(&self) -> String {
+        let usual = if self.form == Form::Switch { None } else { self.written(&Recipe::default()) };
+        usual.filter(|_| self.unset.is_empty()).unwrap_or_else(|| self.unset.to_owned())
+    }
+
+    /// Refuses numbers out of range.
+    pub(super) fn check(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
+        for (k, value) in (self.at)(recipe).numbers().into_iter().enumerate() {
+            if let Some([low, high]) = self.ranges.get(k).or(self.ranges.last()) {
+                within(self.name, value, *low, *high)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Recipe {
+    /// The first setting that is given and that only `kind` has.
+    pub(super) fn given_only_for(&self, kind: SurfaceKind) -> Option<&'static str> {
+        let mut recipe = self.clone();
+        let mut of_kind = SETTINGS.iter().filter(|setting| setting.only == Some(kind));
+        of_kind.find(|setting| (setting.at)(&mut recipe).written().is_some()).map(|setting| setting.name)
+    }
+
+    /// What would bring a sheet closer to the picture, of the settings that are given.
+    pub fn remedies(&self) -> impl Iterator<Item = &'static str> {
+        let helps = SETTINGS.iter().rev().filter(|setting| !setting.remedy.is_empty());
+        helps.filter(|setting| setting.written(self).is_some()).map(|setting| setting.remedy)
+    }
+}
+
+pub(super) fn within(setting: &'static str, value: f64, low: f64, high: f64) -> Result<(), RecipeError> {
+    // A value that is not a number is in no range.
+    if (low..=high).contains(&value) { Ok(()) } else { Err(RecipeError::OutOfRange { setting, value, low, high }) }
+}

@@ -1,0 +1,221 @@
+//! Values of settings: read as on the command line, and written so that they read back.
+
+use std::num::IntErrorKind;
+use std::str::FromStr;
+
+use serde::Serialize;
+use serde::de::value::Error;
+use serde::de::{DeserializeOwned, IntoDeserializer};
+
+use crate::cutter::Cutter;
+use crate::facets::arrange::anneal::Annealing;
+use crate::facets::sample::Sampling;
+use crate::highlight::Quantity;
+use crate::picture::{Encoding, PictureFit};
+use crate::projection::Projection;
+
+use super::super::{Arrangement, Heights, LightSettings, Seen, SurfaceKind};
+
+/// A number with or without a fraction.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "write a number, such as 12.5".into())
+}
+
+/// A whole number.
+pub fn whole(text: &str) -> Result<u64, String> {
+    text.trim().parse().map_err(|error: std::num::ParseIntError| match error.kind() {
+        IntErrorKind::PosOverflow => format!("{text} is too large"),
+        _ => "write a whole number, such as 30".into(),
+    })
+}
+
+/// A whole number of things in memory.
+pub fn count(text: &str) -> Result<usize, String> {
+    whole(text)?.try_into().map_err(|_| format!("{text} is too large"))
+}
+
+/// Two values with a sign between them.
+pub fn pair<T>(text: &str, between: char, each: impl Fn(&str) -> Result<T, String>) -> Result<[T; 2], String> {
+    let (first, second) = text
+        .split_once(between)
+        .ok_or_else(|| format!("write two numbers with '{between}' between them, such as 30{between}20"))?;
+    Ok([each(first)?, each(second)?])
+}
+
+/// What a setting can be set to.
+pub trait Value {
+    /// Takes what `text` says; whether it makes sense is for ranges to say.
+    fn read(&mut self, text: &str) -> Result<(), String>;
+
+    /// The text that would be read; `None` if nothing is given.
+    fn written(&self) -> Option<String>;
+
+    /// Its numbers, for ranges.
+    fn numbers(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Takes back what was given, if it need not be.
+    fn clear(&mut self) {}
+}
+
+impl<T: Value + Default> Value for Option<T> {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        let mut value = T::default();
+        value.read(text)?;
+        *self = Some(value);
+        Ok(())
+    }
+
+    fn written(&self) -> Option<String> {
+        self.as_ref().and_then(T::written)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.as_ref().map(T::numbers).unwrap_or_default()
+    }
+
+    fn clear(&mut self) {
+        *self = None;
+    }
+}
+
+/// One number, or two with an x between them.
+macro_rules! numbers {
+    ($($number:ty: $parse:ident),+ $(,)?) => {$(
+        impl Value for $number {
+            fn read(&mut self, text: &str) -> Result<(), String> {
+                $parse(text).map(|value| *self = value)
+            }
+
+            fn written(&self) -> Option<String> {
+                Some(self.to_string())
+            }
+
+            fn numbers(&self) -> Vec<f64> {
+                vec![*self as f64]
+            }
+        }
+
+        impl Value for [$number; 2] {
+            fn read(&mut self, text: &str) -> Result<(), String> {
+                pair(text, 'x', $parse).map(|values| *self = values)
+            }
+
+            fn written(&self) -> Option<String> {
+                let [x, y] = self;
+                Some(format!("{x}x{y}"))
+            }
+
+            fn numbers(&self) -> Vec<f64> {
+                self.iter().map(|value| *value as f64).collect()
+            }
+        }
+    )+};
+}
+
+numbers!(f64: number, u64: whole, usize: count);
+
+impl Value for bool {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        text.trim().parse().map(|value| *self = value).map_err(|_| "write true or false".into())
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+/// The lamp's direction, two angles with a comma between them.
+impl Value for LightSettings {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        pair(text, ',', number).map(|[theta, phi]| (self.theta, self.phi) = (theta, phi))
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(format!("{},{}", self.theta, self.phi))
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        vec![self.theta, self.phi]
+    }
+}
+
+impl Value for Option<Cutter> {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        Cutter::from_str(text).map(|cutter| *self = Some(cutter)).map_err(|error| error.to_string())
+    }
+
+    fn written(&self) -> Option<String> {
+        self.map(|cutter| cutter.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.iter().map(|cutter| cutter.diameter()).collect()
+    }
+
+    fn clear(&mut self) {
+        *self = None;
+    }
+}
+
+/// A table that no flag gives.
+impl Value for Option<Annealing> {
+    fn read(&mut self, _: &str) -> Result<(), String> {
+        Err("this can only be given in a recipe".into())
+    }
+
+    fn written(&self) -> Option<String> {
+        self.map(|_| "as the recipe says".into())
+    }
+
+    fn clear(&mut self) {
+        *self = None;
+    }
+}
+
+/// Words, spelled as in a recipe.
+macro_rules! words {
+    ($($library:ty),+ $(,)?) => {$(
+        impl Value for $library {
+            fn read(&mut self, text: &str) -> Result<(), String> {
+                read_word(text).map(|word| *self = word)
+            }
+
+            fn written(&self) -> Option<String> {
+                written_word(self)
+            }
+        }
+    )+};
+}
+
+words!(Arrangement, Encoding, PictureFit, Projection, Quantity, Sampling, Seen);
+
+/// Words of which none is usual.
+macro_rules! optional_words {
+    ($($library:ty),+ $(,)?) => {$(
+        impl Value for Option<$library> {
+            fn read(&mut self, text: &str) -> Result<(), String> {
+                read_word(text).map(|word| *self = Some(word))
+            }
+
+            fn written(&self) -> Option<String> {
+                self.as_ref().and_then(written_word)
+            }
+
+            fn clear(&mut self) {
+                *self = None;
+            }
+        }
+    )+};
+}
+
+optional_words!(Heights, SurfaceKind);
+
+fn read_word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+    T::deserialize(text.into_deserializer()).map_err(|error: Error| error.to_string())
+}
+
+fn written_word(word: &impl Serialize) -> Option<String> {
+    serde_json::to_value(word).ok()?.as_str().map(Into::into)
+}
