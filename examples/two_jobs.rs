@@ -38,7 +38,8 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let path = std::env::args_os().nth(1).map_or_else(|| "examples/highlights/ring.png".into(), PathBuf::from);
     let mut recipe = Recipe::default();
     recipe.design.sheet.cutter = Some("ball:0.5".parse()?);
-    recipe.plate.grid = Some(128);
+    recipe.plate.size = [10.0, 10.0]; // mm
+    (recipe.plate.cells, recipe.plate.grid) = (Some(1), Some(128));
     recipe.verify.rays = 200_000;
     let picture = read(&path, &recipe.reading())?;
 
