@@ -13,3 +13,4 @@ mod jobs;
 mod mutants;
 mod recognition;
 mod sharpening;
+mod sheets;
