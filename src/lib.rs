@@ -53,8 +53,9 @@
 //!
 //! The modules stand in reading order, and each imports only from those above it.
 //!
-//! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fourier`] and
-//!    [`descent`] are the two numerical tools that several stages share.
+//! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fence`] turns a
+//!    panic of a file's decoder into an error. [`fourier`] and [`descent`] are the two numerical tools that several
+//!    stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
 //!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
 //!    for its light at a place. [`setup`] ties light, image and plate together: which slope lights which point of the
@@ -155,6 +156,8 @@ pub use glam;
 pub use image;
 
 pub mod progress;
+
+pub mod fence;
 
 pub mod fourier;
 

@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use self::feed::{Lines, Records};
 use self::merge::MergedTriangles;
+use crate::fence::fenced;
 use crate::relief::mesh::Mesh;
 
 const HEADER: &str = concat!("facetmill ", env!("CARGO_PKG_VERSION"), ", binary STL, unit mm, right-handed, z up");
@@ -106,7 +107,9 @@ pub fn read_stl(file: &mut (impl Read + Seek)) -> Result<Mesh, StlError> {
             let read = lines.rewind().map_err(StlError::from).and_then(|()| gather(&mut lines, &mut triangles));
             read.map_err(|error| lines.located(error, triangles.len()))?;
         }
-        Some(promised) => return Err(StlError::Length { promised, room: (length - PREAMBLE as u64) / RECORD as u64 }),
+        Some(promised) => {
+            return Err(StlError::Length { promised, room: length.saturating_sub(PREAMBLE as u64) / RECORD as u64 });
+        }
         None => return Err(StlError::NotStl),
     }
     if triangles.len() == 0 { Err(StlError::Empty) } else { Ok(triangles.into_mesh()) }
@@ -121,11 +124,14 @@ fn is_text(start: &[u8]) -> bool {
 
 /// Adds every triangle of `file` to `triangles`.
 fn gather(file: &mut (impl Read + Seek), triangles: &mut MergedTriangles) -> Result<(), StlError> {
-    for triangle in create_stl_reader(file)? {
-        // The normal is passed over: the vertices know it better.
-        triangles.add(triangle?.vertices.map(|vertex| vertex.0))?;
-    }
-    Ok(())
+    let all = || {
+        for triangle in create_stl_reader(file)? {
+            // The normal is passed over: the vertices know it better.
+            triangles.add(triangle?.vertices.map(|vertex| vertex.0))?;
+        }
+        Ok(())
+    };
+    fenced(all).unwrap_or(Err(StlError::Parser))
 }
 
 /// Why a file is not read as STL.
@@ -152,6 +158,9 @@ pub enum StlError {
     /// A line of a text file that does not belong there.
     #[error("line {0} of the text STL is not what the format asks for there")]
     Line(u64),
+    /// The parser panicked.
+    #[error("the STL file is damaged so that its parser fails on it; export it again")]
+    Parser,
     /// A text file that ends within a solid.
     #[error("the text STL ends before its endsolid; it is truncated")]
     Unfinished,

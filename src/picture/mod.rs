@@ -24,6 +24,8 @@ mod pixels;
 
 mod sniff;
 
+mod headers;
+
 mod float_tiff;
 
 mod decode;

@@ -51,3 +51,13 @@ fn the_stated_minimum_rust_is_that_of_the_locked_packages() {
     let workflow = std::fs::read_to_string(root().join(".github/workflows/ci.yml")).unwrap();
     assert!(workflow.contains(&format!("toolchain: '{stated}'")), "the workflow does not try Rust {stated}");
 }
+
+#[test]
+fn panics_unwind_in_every_profile_so_that_the_fence_around_decoders_holds() {
+    let text = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = text.parse().unwrap();
+    for (name, profile) in manifest["profile"].as_table().unwrap() {
+        let panic = profile.get("panic").and_then(toml::Value::as_str).unwrap_or("unwind");
+        assert_eq!(panic, "unwind", "profile.{name}");
+    }
+}

@@ -105,6 +105,82 @@ fn a_palette_is_looked_up() {
 }
 
 #[test]
+fn a_palette_that_is_no_list_of_colours_is_refused() {
+    let of = |length: usize| {
+        let palette = vec![200; length];
+        let header = [0, 0, 0, 2, 0, 0, 0, 2, 8, 3, 0, 0, 0];
+        png(&[(b"IHDR", &header), (b"PLTE", &palette), (b"IDAT", &stored(&[0; 6])), (b"IEND", &[])])
+    };
+    for length in [0, 1, 2, 4, 5, 7, 8, 769, 771, 3000] {
+        let error = from_bytes(&of(length), "odd", &plain()).unwrap_err();
+        assert!(error.to_string().contains("are no palette"), "{length}: {error}");
+        judge(Err(error));
+    }
+    for length in [3, 6, 768] {
+        assert!(judge(from_bytes(&of(length), "odd", &plain())), "{length}");
+    }
+}
+
+#[test]
+fn a_jpeg_whose_scan_is_too_short_is_refused_though_it_ends_well() {
+    for drawing in [drawing(), DynamicImage::ImageLuma8(drawing().to_luma8())] {
+        let whole = encoded(&drawing, ImageFormat::Jpeg);
+        let scan = whole.windows(2).position(|pair| pair == [0xff, 0xda]).unwrap() + 14;
+        let cut = |length: usize| [&whole[..length], &[0xff, 0xd9]].concat();
+        for length in (scan..whole.len() - 8).filter(|length| whole[length - 1] != 0xff) {
+            let error = from_bytes(&cut(length), "odd", &plain()).unwrap_err();
+            assert!(error.to_string().contains("a part of its picture is missing"), "{length}: {error}");
+        }
+        // What follows the end marker, or pads the scan, is nobody's business.
+        let want = from_bytes(&whole, "odd", &plain()).unwrap();
+        let padded = [&whole[..whole.len() - 2], &[0; 5], &[0xff, 0xd9, 1, 2, 3]].concat();
+        assert_eq!(from_bytes(&padded, "odd", &plain()).unwrap(), want);
+    }
+}
+
+#[test]
+fn whole_jpegs_of_every_size_are_read() {
+    for (width, height) in (2..20).flat_map(|width| [(width, 2), (width, 9), (width, 17)]) {
+        let part = drawing().resize_exact(width, height, image::imageops::FilterType::Triangle);
+        for picture in [part.to_luma8().into(), part] {
+            for quality in [5, 60, 100] {
+                let mut bytes = Vec::new();
+                let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality);
+                picture.write_with_encoder(encoder).unwrap();
+                assert!(judge(from_bytes(&bytes, "odd", &plain())), "{width} x {height}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_webp_too_large_is_refused_with_its_size() {
+    let lossless = |width: u32, height: u32| {
+        let size = (width - 1) | (height - 1) << 14;
+        let mut bytes = b"RIFF\x1a\0\0\0WEBPVP8L\x0d\0\0\0\x2f".to_vec();
+        bytes.extend(size.to_le_bytes());
+        bytes.extend([0; 12]);
+        bytes
+    };
+    let extended = |width: u32, height: u32| {
+        let mut bytes = b"RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0".to_vec();
+        bytes.extend(&(width - 1).to_le_bytes()[..3]);
+        bytes.extend(&(height - 1).to_le_bytes()[..3]);
+        bytes
+    };
+    for (bytes, width, height) in [
+        (lossless(16384, 16384), 16384, 16384),
+        (lossless(16384, 5), 16384, 5),
+        (lossless(20, 10001), 20, 10001),
+        (extended(16384, 16384), 16384, 16384),
+        (extended(1 << 24, 200), 1 << 24, 200),
+    ] {
+        let error = from_bytes(&bytes, "odd", &plain()).unwrap_err();
+        assert!(error.to_string().contains(&format!("is {width} x {height} pixels")), "{error}");
+    }
+}
+
+#[test]
 fn a_camera_held_sideways_is_obeyed() {
     // An Exif segment that holds one entry: tag 274, value 6, "turn by 90° clockwise to see it".
     let jpeg = encoded(&drawing(), ImageFormat::Jpeg);
@@ -280,7 +356,7 @@ fn stored(data: &[u8]) -> Vec<u8> {
 }
 
 /// PNG specification, annex D.
-fn crc32(data: &[u8]) -> u32 {
+pub fn crc32(data: &[u8]) -> u32 {
     let mut sum = u32::MAX;
     for byte in data {
         sum ^= u32::from(*byte);

@@ -118,3 +118,24 @@ fn a_mesh_that_cannot_be_written_is_an_error() {
     let mesh = Mesh { vertices: vec![[0.0; 3]; 3], triangles: vec![[0, 1, 3]] };
     assert_eq!(write_stl(&mesh, &mut Vec::new()).unwrap_err().kind(), io::ErrorKind::InvalidInput);
 }
+
+/// A file such as those of /proc: it has content and says that it is empty.
+struct Special(Cursor<Vec<u8>>);
+
+impl Read for Special {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl Seek for Special {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        if let SeekFrom::End(_) = to { Ok(0) } else { self.0.seek(to) }
+    }
+}
+
+#[test]
+fn a_special_file_that_says_it_is_empty_is_refused_by_what_it_says() {
+    let mut file = Special(Cursor::new(written(&tetrahedron())));
+    assert!(matches!(read_stl(&mut file), Err(StlError::Length { promised: 4, room: 0 })));
+}

@@ -113,6 +113,8 @@ fn pictures() -> Vec<(String, Vec<u8>)> {
         ("other kind.png", claiming(48, 48, 16, 6)),
         ("no kind.png", claiming(48, 48, 8, 5)),
         ("no depth.png", claiming(48, 48, 77, 0)),
+        ("palette.png", include_bytes!("../../corpus/picture/plte4.png").to_vec()),
+        ("a fifth.jpg", include_bytes!("../../corpus/picture/cut.jpg").to_vec()),
         ("checksum.png", patched(png.clone(), 30, &[1, 2, 3])),
         ("garbled.png", patched(png.clone(), length / 2, &[0xa5; 24])),
         ("one pixel.png", encoded(&grey(1, 1, 255), ImageFormat::Png)),

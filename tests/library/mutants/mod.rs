@@ -1,0 +1,168 @@
+//! Mutants of small pictures and STL files: an answer for each, never a panic, soon.
+//!
+//! The short form, some seconds, is part of the tests. The long form, here 20 minutes for each kind of file:
+//!
+//! ```text
+//! FACETMILL_MUTANT_SECONDS=1200 cargo test --locked --test library mutants:: -- --nocapture --test-threads 1
+//! ```
+//!
+//! Mutant k is the same in every run. What fails is kept in `target/tmp`, under the name that the message tells.
+
+mod mutate;
+mod targets;
+
+use std::fs;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use facetmill::export::stl::write_stl;
+use facetmill::relief::mesh::Mesh;
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use self::targets::{Fate, TARGETS};
+
+/// The most that one file may take, CPU time: a picture of 100 million pixels takes some seconds.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// Mutants of the short form.
+const FEW: u64 = 1500;
+
+/// What a run of one target came to.
+#[derive(Default)]
+struct Count {
+    read: u64,
+    refused: u64,
+    fenced: u64,
+    /// CPU time of the slowest.
+    slowest: Duration,
+}
+
+/// Mutants of the corpus of `name`: a few, or as many as the environment gives time for.
+fn run(name: &str) -> Count {
+    let target = TARGETS.iter().find(|target| target.0 == name).unwrap().1;
+    let corpus = corpus(name);
+    let seconds = std::env::var("FACETMILL_MUTANT_SECONDS").ok().map(|text| text.parse().unwrap());
+    let (start, cpu) = (Instant::now(), ThreadTime::now());
+    let mut count = Count::default();
+    for k in 0.. {
+        let over = |seconds: u64| cpu.elapsed().as_secs() >= seconds;
+        if seconds.map_or(k >= FEW, over) {
+            break;
+        }
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(k);
+        let bytes = match corpus.get(k as usize) {
+            Some(whole) => whole.clone(),
+            None => mutate::mutant(&corpus, &mut rng),
+        };
+        let before = ThreadTime::now();
+        let fate = catch_unwind(AssertUnwindSafe(|| target(&bytes)));
+        let took = before.elapsed();
+        count.slowest = count.slowest.max(took);
+        match fate {
+            Ok(Fate::Read) => count.read += 1,
+            Ok(Fate::Refused) => count.refused += 1,
+            Ok(Fate::Fenced) => {
+                count.fenced += 1;
+                keep(name, k, &bytes);
+            }
+            Err(_) => panic!("mutant {k} of {name} panics: see {}", keep(name, k, &bytes)),
+        }
+        assert!(took < LONGEST, "mutant {k} of {name} takes {took:?}: see {}", keep(name, k, &bytes));
+    }
+    let Count { read, refused, fenced, slowest } = count;
+    let all = read + refused + fenced;
+    println!(
+        "{name}: {all} files, {read} read, {refused} refused, {fenced} held by the fence, slowest {} ms, {} s of CPU, \
+         {} s, peak memory of the process {} MiB",
+        slowest.as_millis(),
+        cpu.elapsed().as_secs(),
+        start.elapsed().as_secs(),
+        peak_memory().map_or("?".into(), |peak| peak.to_string()),
+    );
+    count
+}
+
+/// The largest resident memory so far, MiB, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? >> 10)
+}
+
+/// Writes a mutant aside; where.
+fn keep(name: &str, k: u64, bytes: &[u8]) -> String {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("mutant-{k}.{name}"));
+    fs::write(&path, bytes).unwrap();
+    path.display().to_string()
+}
+
+/// Files that are read or were once misread: those of the repository and those drawn here.
+fn corpus(name: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(name);
+    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    let mut all: Vec<Vec<u8>> = paths.iter().map(|path| fs::read(path).unwrap()).collect();
+    match name {
+        "picture" => all.extend(pictures()),
+        "stl" => {
+            let vertices = vec![[0.0, 0.0, 0.0], [0.0, 2.5, 0.0], [1.5, 0.0, 0.0], [0.0, 0.0, 3.25]];
+            let mesh = Mesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3], [2, 1, 3], [1, 0, 3]] };
+            let mut bytes = Vec::new();
+            write_stl(&mesh, &mut bytes).unwrap();
+            all.push(bytes);
+        }
+        _ => {}
+    }
+    all
+}
+
+/// A small drawing in every format and depth.
+fn pictures() -> Vec<Vec<u8>> {
+    let drawing = RgbImage::from_fn(24, 16, |x, y| Rgb([(x * 10) as u8, (y * 15) as u8, ((x ^ y) * 8) as u8]));
+    let drawing = DynamicImage::from(drawing);
+    let grey = DynamicImage::from(drawing.to_luma8());
+    let mut all = Vec::new();
+    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::WebP] {
+        let mut kinds = vec![grey.clone(), drawing.clone()];
+        match format {
+            ImageFormat::Png => {
+                kinds.push(drawing.to_luma_alpha8().into());
+                kinds.push(drawing.to_rgba16().into());
+            }
+            ImageFormat::Tiff => {
+                kinds.push(drawing.to_luma16().into());
+                kinds.push(drawing.to_rgb32f().into());
+            }
+            ImageFormat::WebP => kinds[0] = drawing.to_rgba8().into(),
+            _ => {}
+        }
+        for kind in kinds {
+            let mut file = Cursor::new(Vec::new());
+            kind.write_to(&mut file, format).unwrap();
+            all.push(file.into_inner());
+        }
+    }
+    all
+}
+
+/// Enough are read and enough refused that both ways are tried.
+fn judge(name: &str) {
+    let Count { read, refused, .. } = run(name);
+    let all = read + refused;
+    assert!(read >= all / 100 && refused >= all / 20, "{name}: {read} read and {refused} refused");
+}
+
+#[test]
+fn mutated_pictures_are_read_or_refused_in_time() {
+    judge("picture");
+}
+
+#[test]
+fn mutated_stls_are_read_or_refused_in_time() {
+    judge("stl");
+}
