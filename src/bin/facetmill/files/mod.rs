@@ -1,8 +1,10 @@
 //! Output folders: written aside, then moved into place whole, or not at all.
 
-mod claim;
 mod disk;
+
 mod journal;
+
+mod claim;
 
 use std::fs;
 use std::io::{self, BufWriter, Write};
@@ -79,7 +81,7 @@ impl<'a> Place<'a> {
         };
         for entry in entries {
             let name = entry?.file_name();
-            if !is_leftover(&name) && !(goes_on && self.inner.iter().any(|inner| name == *inner)) {
+            if !(is_leftover(&name) || goes_on && self.inner.iter().any(|inner| name == *inner)) {
                 return Ok(true);
             }
         }
