@@ -2,7 +2,7 @@
 //!
 //! [`Job::run`] designs a plate, proves it, compares it with flat facets and takes them where they are clearly better. What
 //! comes of it, a [`Product`], tells its [report](Product::report) and hands out its [files](Product::write), in memory
-//! or into a folder. Each step can be had by itself: [`design`], [`proof`], [`compare`], [`estimate`], [`pictures`].
+//! or into a folder. Each step can be had by itself: [`mod@design`], [`proof`], [`compare`], [`estimate`], [`pictures`].
 //!
 //! Nothing here is shared between jobs: several may run in one process, each on [threads of its own](clock::on_own_threads)
 //! that it is billed for, each heard of and ended through its own [`Progress`].

@@ -59,7 +59,7 @@ const fn stage(blur: f64, alpha: f64, steps: usize, concave: f64) -> Stage {
 /// best was often not the one that ended best.
 pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0)];
 
-/// Rounds of matching of a try: of [`ROUNDS`] the part that brings most.
+/// Rounds of matching of a try: of `ROUNDS` the part that brings most.
 pub const TRIAL_ROUNDS: usize = 15;
 
 /// The descent after them. A logo of sixteen pieces needed 80 steps to tell which start is best; with a cutter a step costs
