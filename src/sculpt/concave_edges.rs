@@ -10,7 +10,7 @@
 //! than a bin apart moves no light.
 //!
 //! The penalty is the sum over all concave edges of their strip's share of the plate, R·Δs times a step over the area,
-//! with Δs replaced by a function of it, [`jump_cost`](ConcaveEdges::jump_cost), that is smooth at 0 and steeper beyond
+//! with Δs replaced by a function of it, `ConcaveEdges::jump_cost`, that is smooth at 0 and steeper beyond
 //! the sharpest jump allowed.
 
 use crate::cutter::Cutter;
