@@ -54,7 +54,7 @@ fn a_dry_run_needs_no_folder_and_writes_nothing() {
     image::GrayImage::from_fn(48, 48, |x, _| image::Luma([if (8..40).contains(&x) { 0 } else { 255 }]))
         .save(home.path().join("bars.png"))
         .unwrap();
-    let line = "design bars.png --grid 32 --for-cutter ball:2";
+    let line = "design bars.png --size 9x9 --grid 32 --for-cutter ball:1";
     let told = run_line(home.path(), &format!("{line} --dry-run"));
     assert_done(&told);
     assert!(told.stdout.contains("straying"), "{}", told.stdout);
