@@ -31,7 +31,7 @@
 //! recipe.plate.size = [12.0, 12.0];
 //! recipe.plate.cells = Some(1);
 //! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given
-//! recipe.design.cutter = Some(Cutter::ball(0.5));
+//! recipe.design.sheet.cutter = Some(Cutter::ball(0.5));
 //! recipe.verify.rays = 100_000;
 //!
 //! let plate = design(&recipe, &picture.light, &Progress::silent())?;
