@@ -101,7 +101,7 @@ pub fn design_with_checkpoints(
         }
     };
     progress.check()?;
-    let Made { facets, sheet, least_stray, relief, mesh, ended_early } = made;
+    let Shaped { facets, sheet, least_stray, relief, mesh, ended_early } = made;
     let seconds = clock.into_laps();
     Ok(Design {
         below_plate: highlight.below_plate,
@@ -149,7 +149,7 @@ fn wanted(
 }
 
 /// What comes of either kind of relief.
-struct Made {
+struct Shaped {
     facets: Option<Facets>,
     sheet: Option<Sheet>,
     least_stray: Option<Unavoidable>,
@@ -170,7 +170,7 @@ fn continuous(
     stepwise: Stepwise,
     clock: &mut Clock,
     progress: &Progress,
-) -> Result<Made, DesignError> {
+) -> Result<Shaped, DesignError> {
     let sculpting = recipe.sculpting();
     let least_stray = least_stray(distribution, &sculpting);
     match least_stray {
@@ -189,7 +189,7 @@ fn continuous(
     let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
     let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
     clock.lap(Stage::Solid);
-    Ok(Made { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
+    Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
@@ -204,7 +204,7 @@ fn faceted(
     distribution: &SlopeDistribution,
     clock: &mut Clock,
     progress: &Progress,
-) -> Result<Made, DesignError> {
+) -> Result<Shaped, DesignError> {
     let [columns, rows] = recipe.facets();
     let (pitch, seed) = (recipe.pitch(), recipe.design.seed);
     progress.stage(Stage::Sampling);
@@ -233,7 +233,7 @@ fn faceted(
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap(Stage::Solid);
     let facets = Some(Facets { grid, steps });
-    Ok(Made { facets, sheet: None, least_stray: None, relief, mesh, ended_early })
+    Ok(Shaped { facets, sheet: None, least_stray: None, relief, mesh, ended_early })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

@@ -7,12 +7,13 @@ use std::cell::OnceCell;
 use std::io::{self, Write};
 
 use super::pictures::{ProofPictures, target_picture};
-use super::product::{Product, png};
+use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
 use crate::export::shading::relief_picture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::report::text;
 
 /// Pixels along the longer side of the height map, at the most.
@@ -116,8 +117,46 @@ pub fn names() -> Vec<&'static str> {
     DESIGN.iter().map(|export| export.name).collect()
 }
 
+impl Product {
+    /// Hands every file of the output folder to `keep`, by name and content.
+    pub fn write<E: From<Cancelled>>(
+        &self,
+        picture: &Picture,
+        keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
+        progress: &Progress,
+    ) -> Result<(), E> {
+        progress.stage(Stage::Files);
+        let mut keep = |name, content: Content| {
+            progress.check()?;
+            let kept = keep(name, &mut |out| content(&mut Stoppable { out, progress }));
+            // What was cut short is no fault of the writer's.
+            progress.check()?;
+            kept
+        };
+        let source = Source::new(self, picture);
+        source.due().try_for_each(|export| keep(export.name, &mut |out| export.write(&source, out)))
+    }
+}
+
+/// A writer that fails once the work is abandoned.
+struct Stoppable<'a> {
+    out: &'a mut dyn Write,
+    progress: &'a Progress<'a>,
+}
+
+impl Write for Stoppable<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.progress.check().map_err(io::Error::other)?;
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
 /// What the files are made from; what several need is made once, when the first asks.
-pub(super) struct Source<'a> {
+struct Source<'a> {
     product: &'a Product,
     picture: &'a Picture,
     map: OnceCell<HeightMap>,
@@ -125,12 +164,12 @@ pub(super) struct Source<'a> {
 }
 
 impl<'a> Source<'a> {
-    pub(super) fn new(product: &'a Product, picture: &'a Picture) -> Self {
+    fn new(product: &'a Product, picture: &'a Picture) -> Self {
         Self { product, picture, map: OnceCell::new(), pictures: OnceCell::new() }
     }
 
     /// The files that are to be written.
-    pub(super) fn due(&self) -> impl Iterator<Item = &'static Export> {
+    fn due(&self) -> impl Iterator<Item = &'static Export> {
         let proof = self.product.proof.as_ref();
         let (proved, milled) = (proof.is_some(), proof.is_some_and(|proof| proof.milled.is_some()));
         DESIGN.iter().filter(move |export| match export.when {
@@ -170,7 +209,7 @@ impl<'a> Source<'a> {
 
 impl Export {
     /// Writes the file.
-    pub(super) fn write(&self, from: &Source, out: &mut dyn Write) -> io::Result<()> {
+    fn write(&self, from: &Source, out: &mut dyn Write) -> io::Result<()> {
         (self.write)(from, out)
     }
 }

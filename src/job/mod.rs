@@ -19,11 +19,11 @@ pub mod estimate;
 
 pub mod pictures;
 
+mod product;
+
 mod advice;
 
 pub mod report;
-
-mod product;
 
 pub mod exports;
 

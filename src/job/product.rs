@@ -1,4 +1,4 @@
-//! What comes of a job, and the files that an output folder holds of it.
+//! What comes of a job.
 
 use std::io::{self, Write};
 
@@ -6,14 +6,10 @@ use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::exports::Source;
 use super::proof::Proof;
-use super::report::report;
 use crate::export::pixels::encode_png;
-use crate::picture::Picture;
-use crate::progress::{Cancelled, Progress, Stage};
 use crate::recipe::Recipe;
-use crate::report::design::{DesignReport, made_of};
+use crate::report::design::made_of;
 
 /// What a file holds, written when it is asked for.
 pub type Content<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
@@ -32,30 +28,6 @@ pub struct Product {
 }
 
 impl Product {
-    /// Everything that is known of it, as `report.json` holds it.
-    pub fn report(&self, picture: &Picture) -> DesignReport {
-        report(self, picture)
-    }
-
-    /// Hands every file of the output folder to `keep`, by name and content.
-    pub fn write<E: From<Cancelled>>(
-        &self,
-        picture: &Picture,
-        keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
-        progress: &Progress,
-    ) -> Result<(), E> {
-        progress.stage(Stage::Files);
-        let mut keep = |name, content: Content| {
-            progress.check()?;
-            let kept = keep(name, &mut |out| content(&mut Stoppable { out, progress }));
-            // What was cut short is no fault of the writer's.
-            progress.check()?;
-            kept
-        };
-        let source = Source::new(self, picture);
-        source.due().try_for_each(|export| keep(export.name, &mut |out| export.write(&source, out)))
-    }
-
     /// What the relief is made of, in words.
     pub fn made_of(&self) -> String {
         made_of(&self.recipe, self.design.sheet.as_ref().map(|sheet| sheet.relief.cells))
@@ -74,23 +46,6 @@ impl Product {
             light.phi,
             highlight.half_field
         )
-    }
-}
-
-/// A writer that fails once the work is abandoned.
-struct Stoppable<'a> {
-    out: &'a mut dyn Write,
-    progress: &'a Progress<'a>,
-}
-
-impl Write for Stoppable<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.progress.check().map_err(io::Error::other)?;
-        self.out.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
     }
 }
 

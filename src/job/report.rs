@@ -19,8 +19,14 @@ use crate::sculpt::stages::Sheet;
 use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::windows::Misplaced;
 
-/// Everything that is known of `product`, which was made for `picture`.
-pub fn report(product: &Product, picture: &Picture) -> DesignReport {
+impl Product {
+    /// Everything that is known of it, which was made for `picture`, as `report.json` holds it.
+    pub fn report(&self, picture: &Picture) -> DesignReport {
+        report(self, picture)
+    }
+}
+
+fn report(product: &Product, picture: &Picture) -> DesignReport {
     let Product { recipe, design, proof, comparison, .. } = product;
     let distribution = &design.distribution;
     let verdict = proof.as_ref().map(|proof| &proof.verdict);

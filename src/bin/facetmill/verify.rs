@@ -9,6 +9,7 @@ use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
+use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
@@ -18,6 +19,7 @@ use crate::args::VerifyArgs;
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
+use crate::plates::Opened;
 use crate::{inputs, plates, tables};
 
 /// Does what `args` say.
@@ -26,18 +28,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     args.settings.apply(&mut recipe);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    let mut setup = recipe.setup();
-    if let Some([theta, phi]) = args.mount {
-        if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
-            return Err(Failure::Usage("--mount takes an angle from 0 to 80 and an azimuth from -360 to 360".into()));
-        }
-        setup = setup.mounted(direction(theta.to_radians(), phi.to_radians()));
-        if setup.light().z <= 0.0 {
-            return Err(Failure::Impossible(
-                "the light is behind the plate as mounted: lower --light or --mount".into(),
-            ));
-        }
-    }
+    let setup = mounted(recipe.setup(), args.mount)?;
     let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
@@ -66,13 +57,6 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
 
     progress.stage(Stage::Files);
     let size = opened.size;
-    let mut advice = opened.advice.clone();
-    if proof.verdict.backface > 1e-4 {
-        advice.push(format!(
-            "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
-            100.0 * proof.verdict.backface
-        ));
-    }
     let report = VerifyReport {
         program: PROGRAM,
         plate: opened.facts.clone(),
@@ -83,7 +67,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         metal,
         margin_mm: margin,
         measured: (&proof.verdict).into(),
-        advice,
+        advice: advice(&opened, &proof.verdict),
     };
     staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
     let footer = format!(
@@ -102,4 +86,29 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     Ok(())
+}
+
+/// The setup with the plate mounted at the angles that were given, degrees.
+fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
+    let Some([theta, phi]) = mount else { return Ok(setup) };
+    if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
+        return Err(Failure::Usage("--mount takes an angle from 0 to 80 and an azimuth from -360 to 360".into()));
+    }
+    let setup = setup.mounted(direction(theta.to_radians(), phi.to_radians()));
+    if setup.light().z <= 0.0 {
+        return Err(Failure::Impossible("the light is behind the plate as mounted: lower --light or --mount".into()));
+    }
+    Ok(setup)
+}
+
+/// What a person should know of the mesh.
+fn advice(opened: &Opened, verdict: &Verdict) -> Vec<String> {
+    let mut advice = opened.advice.clone();
+    if verdict.backface > 1e-4 {
+        advice.push(format!(
+            "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
+            100.0 * verdict.backface
+        ));
+    }
+    advice
 }

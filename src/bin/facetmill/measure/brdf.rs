@@ -52,14 +52,13 @@ pub fn measure(
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
     let axes = axes(args)?;
-    let lights = axes.slices();
     let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
     progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
         Failure::Impossible("light from some directions meets nothing of the plate: check units and orientation".into())
     })?;
-    let (table, laws) = (&swept.table, swept.table.laws());
+    let table = &swept.table;
 
     progress.stage(Stage::Files);
     let mut notes = Vec::new();
@@ -91,14 +90,24 @@ pub fn measure(
         azimuths.iter().flat_map(|phi| drawn.map(|theta| (theta, phi.to_radians()))).collect();
     staged.write_png("maps.png", &hemisphere_maps(table, &lights_drawn, &heading))?;
 
-    let worst = |share: fn(&LightBalance) -> f64| swept.balance.iter().map(share).fold(0.0, f64::max);
-    let trapped = worst(|l| l.trapped);
+    let trapped = worst(&swept, |l| l.trapped);
     if trapped > 1e-3 {
         notes.push(format!(
             "Up to {:.2}% of the light still bounces at the end and is not in the table: raise --max-bounces.",
             100.0 * trapped
         ));
     }
+    Ok(Outcome {
+        measured: Measured::Brdf(facts(&swept, rays)),
+        rows: rows(&swept, rays),
+        notes,
+        look_at: "slices.png",
+    })
+}
+
+/// What the report says of a sweep in which each direction sent `rays` rays.
+fn facts(swept: &Swept, rays: u64) -> BrdfFacts {
+    let (table, laws) = (&swept.table, swept.table.laws());
     let by_light: Vec<_> = swept
         .balance
         .iter()
@@ -117,7 +126,7 @@ pub fn measure(
             }
         })
         .collect();
-    let measured = Measured::Brdf(BrdfFacts {
+    BrdfFacts {
         rays_each: rays,
         half_vectors: [table.axes().columns(), table.axes().rows()],
         least: laws.least,
@@ -125,19 +134,29 @@ pub fn measure(
         greatest_albedo_error: laws.greatest_albedo.1,
         reciprocity_error: laws.reciprocity_error,
         directions: by_light,
-    });
-    let rows = vec![
+    }
+}
+
+/// The same for a person.
+fn rows(swept: &Swept, rays: u64) -> Vec<[String; 3]> {
+    let laws = swept.table.laws();
+    let lights = swept.table.axes().slices();
+    vec![
         row("directions", lights.to_string(), format!("of light, {rays} rays each")),
         row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
-        row("bounced twice", percent(worst(|l| l.multi_bounce)), "of what leaves, where most does"),
-        row("past the edges", percent(worst(|l| l.past_edges)), "of the light, where most does"),
+        row("bounced twice", percent(worst(swept, |l| l.multi_bounce)), "of what leaves, where most does"),
+        row("past the edges", percent(worst(swept, |l| l.past_edges)), "of the light, where most does"),
         row(
             "reciprocity",
             percent(laws.reciprocity_error),
             "mean difference when light and viewer change places: noise, and cells",
         ),
-    ];
-    Ok(Outcome { measured, rows, notes, look_at: "slices.png" })
+    ]
+}
+
+/// The largest of a share over all directions of light.
+fn worst(swept: &Swept, share: fn(&LightBalance) -> f64) -> f64 {
+    swept.balance.iter().map(share).fold(0.0, f64::max)
 }
 
 pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {

@@ -39,34 +39,7 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    let usual = ViewSettings::default();
-    let side = bench.measuring.resolution;
-    let shape = args.wrap.map_or(Shape::Flat, Into::into);
-    let distance = args.distance.unwrap_or(usual.distance);
-    let [theta, phi] = args.camera.unwrap_or([usual.theta, usual.phi]);
-    // All of it, and a rim.
-    let fitting = match shape {
-        Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
-        Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
-    };
-    let paths = args.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
-    if paths > MOST_PATHS {
-        let most = MOST_PATHS * (side * side) as u64;
-        let all = args.rays().unwrap_or(0);
-        return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
-    }
-    let settings = ViewSettings {
-        theta,
-        phi,
-        distance,
-        field_of_view: args.field.unwrap_or((2.0 * fitting.to_degrees()).clamp(1e-6, 160.0)),
-        size: [side, side],
-        shape,
-        ambient: args.ambient.unwrap_or(usual.ambient),
-        rays: u32::try_from(paths).unwrap_or(u32::MAX),
-        max_bounces: bench.measuring.max_bounces,
-        seed: bench.measuring.seed,
-    };
+    let settings = settings(args, bench)?;
     progress.stage(Stage::View);
     let view = bench.plate.run(ViewTask { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage(Stage::Files);
@@ -74,13 +47,14 @@ pub fn measure(
     staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&view.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
+    let ViewSettings { theta, phi, distance, .. } = settings;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let (radiance, error) = (mean(&view.radiance.values), mean(&view.errors.values));
     let measured = Measured::View(ViewFacts {
         camera_deg: [theta, phi],
         distance_mm: distance,
         field_of_view_deg: settings.field_of_view,
-        shape: match shape {
+        shape: match settings.shape {
             Shape::Flat => ShapeFacts::Flat,
             Shape::Sphere { radius } => ShapeFacts::Sphere(radius),
             Shape::Cylinder { radius } => ShapeFacts::Cylinder(radius),
@@ -115,6 +89,38 @@ pub fn measure(
         ));
     }
     Ok(Outcome { measured, rows, notes, look_at: "look.png" })
+}
+
+/// What the flags ask for; without them, all of the plate in the picture.
+fn settings(args: &MeasureArgs, bench: &Bench) -> Result<ViewSettings, Failure> {
+    let usual = ViewSettings::default();
+    let side = bench.measuring.resolution;
+    let shape = args.wrap.map_or(Shape::Flat, Into::into);
+    let distance = args.distance.unwrap_or(usual.distance);
+    let [theta, phi] = args.camera.unwrap_or([usual.theta, usual.phi]);
+    // All of it, and a rim.
+    let fitting = match shape {
+        Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
+        Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
+    };
+    let paths = args.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    if paths > MOST_PATHS {
+        let most = MOST_PATHS * (side * side) as u64;
+        let all = args.rays().unwrap_or(0);
+        return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
+    }
+    Ok(ViewSettings {
+        theta,
+        phi,
+        distance,
+        field_of_view: args.field.unwrap_or((2.0 * fitting.to_degrees()).clamp(1e-6, 160.0)),
+        size: [side, side],
+        shape,
+        ambient: args.ambient.unwrap_or(usual.ambient),
+        rays: u32::try_from(paths).unwrap_or(u32::MAX),
+        max_bounces: bench.measuring.max_bounces,
+        seed: bench.measuring.seed,
+    })
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
