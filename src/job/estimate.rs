@@ -1,5 +1,6 @@
 //! What a design would be, from its sizes alone.
 
+use super::memory::need;
 use crate::export::stl::stl_bytes;
 use crate::facets::sample::Sampling;
 use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
@@ -43,13 +44,18 @@ const MILLED_PLACE: f64 = 4.5e-7;
 /// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
 const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
 
-/// What a design of `recipe` will be; `proved` if light is to be sent over it.
+/// What a design of `recipe` will be for a picture of `side` pixels a side; `proved` if light is to be sent over it.
 ///
 /// "About" is within a third; of a sheet, triangles and bytes are exact but for its base.
-pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
-    if recipe.surface() == SurfaceKind::Sheet {
-        return continuous_facts(recipe, proved);
-    }
+pub fn estimate(recipe: &Recipe, side: usize, proved: bool) -> EstimateReport {
+    let facts = match recipe.surface() {
+        SurfaceKind::Facets => faceted_facts(recipe, proved),
+        SurfaceKind::Sheet => continuous_facts(recipe, proved),
+    };
+    EstimateReport { memory_bytes_about: need(recipe, side, proved).bytes, ..facts }
+}
+
+fn faceted_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let [columns, rows] = recipe.facets();
     let facets = columns * rows;
     let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
@@ -69,6 +75,7 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
         design_cpu_seconds_about: design_seconds(recipe),
         verify_cpu_seconds_about: if proved { proof + milled } else { 0.0 },
         files_cpu_seconds_about: FILES + 2e-6 * facets as f64,
+        memory_bytes_about: 0,
         least_stray_share: None,
     }
 }
@@ -96,6 +103,7 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
         design_cpu_seconds_about: 0.1 + each * nodes,
         verify_cpu_seconds_about: if proved { proof + beside } else { 0.0 },
         files_cpu_seconds_about: FILES + 2e-7 * triangles as f64,
+        memory_bytes_about: 0,
         least_stray_share: None,
     }
 }

@@ -17,6 +17,8 @@ pub mod compare;
 
 pub mod estimate;
 
+pub mod memory;
+
 pub mod pictures;
 
 mod product;
@@ -29,6 +31,7 @@ pub mod exports;
 
 pub use product::{Content, Product, png};
 
+use crate::memory::MemoryLimit;
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};
 use crate::recipe::Recipe;
@@ -46,6 +49,8 @@ pub struct Job<'a> {
     pub picture: &'a Picture,
     /// Whether light is sent over what comes of it; without that nothing is compared either.
     pub proved: bool,
+    /// The most memory that it may take: one that needs more is refused before any work, and no result hangs on it.
+    pub memory: MemoryLimit,
 }
 
 /// How a job ends that meets no error.
@@ -96,6 +101,8 @@ impl Job<'_> {
         progress: &Progress,
     ) -> Result<Product, DesignError> {
         let light = &self.picture.light;
+        self.recipe.check()?;
+        self.memory.admit(memory::need(self.recipe, light.width, self.proved))?;
         let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
         let recipe = self.recipe.clone();
         if !self.proved {

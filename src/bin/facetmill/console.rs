@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use facetmill::job::clock::wanted_threads;
 use facetmill::job::design::DesignError;
+use facetmill::memory::TooMuchMemory;
 use facetmill::picture::PictureError;
 use facetmill::progress::{Cancelled, Event};
 use facetmill::report::text;
@@ -73,6 +75,12 @@ impl From<PictureError> for Failure {
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
         Self::Stopped { snapshots: None }
+    }
+}
+
+impl From<TooMuchMemory> for Failure {
+    fn from(error: TooMuchMemory) -> Self {
+        Self::Impossible(error.to_string())
     }
 }
 
@@ -161,16 +169,35 @@ fn print(text: &str) -> Result<(), OutputError> {
     }
 }
 
+/// Says so if fewer threads work than were wanted.
+pub fn tell_threads(running: &RunningArgs) {
+    let (wanted, started) = (wanted_threads(running.threads), rayon::current_num_threads());
+    if started < wanted && !running.quiet {
+        let _ = writeln!(
+            io::stderr(),
+            "facetmill: of {wanted} threads only {started} can be started: it takes longer, and the result is the same"
+        );
+    }
+}
+
+/// Whether the system lets one more thread start.
+fn a_thread_can_start() -> bool {
+    std::thread::Builder::new().spawn(|| {}).is_ok_and(|thread| thread.join().is_ok())
+}
+
 /// A progress line per stage on stderr, if somebody looks.
 pub struct Stages {
     present: Mutex<Option<(ProgressBar, Instant)>>,
     visible: bool,
+    /// Whether a line has a thread of its own that turns its wheel.
+    ticks: bool,
 }
 
 impl Stages {
     /// Hidden when `quiet` or when stderr is not a terminal.
     pub fn new(quiet: bool) -> Self {
-        Self { present: Mutex::new(None), visible: !quiet && io::stderr().is_terminal() }
+        let visible = !quiet && io::stderr().is_terminal();
+        Self { present: Mutex::new(None), visible, ticks: visible && a_thread_can_start() }
     }
 
     /// Takes an event of the library.
@@ -188,7 +215,10 @@ impl Stages {
                 }
                 let note = note.map(|note| format!(" ({note})")).unwrap_or_default();
                 bar.set_message(format!("{}{note}", stage.words()));
-                bar.enable_steady_tick(Duration::from_millis(100));
+                // Ticks come from a thread, for want of which the line would panic; without them it moves with the work.
+                if self.ticks {
+                    bar.enable_steady_tick(Duration::from_millis(100));
+                }
                 *present = Some((bar, Instant::now()));
             }
             Event::Fraction(done) => {

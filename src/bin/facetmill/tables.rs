@@ -1,6 +1,7 @@
 //! The tables that a person sees, made from the reports.
 
 use facetmill::job::pictures::rays;
+use facetmill::memory::said;
 use facetmill::recipe::Recipe;
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
@@ -110,6 +111,7 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         row("design", about(report.design_cpu_seconds_about), "of CPU time"),
         row("proof", about(proof), sent),
         row("files", about(report.files_cpu_seconds_about), "mostly for pictures"),
+        row("memory", format!("about {}", said(report.memory_bytes_about)), "at once, at the most"),
     ];
     if let Some(share) = report.least_stray_share {
         let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";

@@ -4,7 +4,7 @@ use facetmill::highlight::scored_target;
 use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
-use facetmill::picture;
+use facetmill::memory::Need;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
 use facetmill::report::verify::VerifyReport;
@@ -13,6 +13,7 @@ use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
+use facetmill::verify::tally;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
@@ -36,10 +37,13 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
+    let limit = args.running.memory();
+    let pixels = Measuring::default().resolution.pow(2);
+    let image = Need::new(tally::bytes(pixels), "the image of the light", "decimate the plate's mesh");
     let name = args.plate.display();
     let margin = args.margin.unwrap_or(0.0);
-    let opened = plates::open(&args.plate, margin)?;
-    let picture = picture::read(&args.against, &recipe.reading())?;
+    let opened = plates::open(&args.plate, margin, limit, image)?;
+    let picture = inputs::picture(&args.against, &recipe.reading(), limit)?;
     progress.stage(Stage::Tracing);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {

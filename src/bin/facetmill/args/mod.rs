@@ -9,8 +9,10 @@ mod measure;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use facetmill::job::clock::wanted_threads;
+use facetmill::memory::MemoryLimit;
 
-use crate::values::threads;
+use crate::values::{memory, threads};
 
 pub use design::DesignArgs;
 pub use measure::MeasureArgs;
@@ -107,6 +109,12 @@ pub struct RunningArgs {
     /// Threads; results do not depend on it  [default: one a core]
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
+    /// The most memory to take, such as 4G: what needs more is refused  [default: 70 % of what there is]
+    ///
+    /// What there is: the least of the machine's memory, of the control group's and of the limit on addresses. It never
+    /// changes a result.
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    pub memory: Option<u64>,
     /// Replace the files of an earlier run; files of other names are left alone
     #[arg(long)]
     pub force: bool,
@@ -116,4 +124,12 @@ pub struct RunningArgs {
     /// No progress and no table; errors are still told
     #[arg(long)]
     pub quiet: bool,
+}
+
+impl RunningArgs {
+    /// The most memory that may be taken: as asked, or as usual.
+    pub fn memory(&self) -> MemoryLimit {
+        let usual = || MemoryLimit::of_system(wanted_threads(self.threads));
+        self.memory.map_or_else(usual, MemoryLimit::of_bytes)
+    }
 }
