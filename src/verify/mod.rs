@@ -32,4 +32,6 @@ pub mod render;
 
 pub mod verdict;
 
+pub mod rim;
+
 pub mod windows;
