@@ -40,7 +40,7 @@ impl Recipe {
     }
 
     /// Triangles of a sheet at the most.
-    pub fn most_triangles(&self) -> usize {
+    pub(crate) fn most_triangles(&self) -> usize {
         self.plate.max_triangles.unwrap_or(3_000_000)
     }
 
