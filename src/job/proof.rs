@@ -142,7 +142,7 @@ impl Task for PlateAndRim<'_> {
 
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let Self { mirrored, width } = self;
-        (mirrored.on(surface), (width > 0.0).then(|| OverRim { mirrored, width }.on(surface)))
+        (mirrored.on(surface), (width > 0.0).then(|| OverRim { mirrored, width, scene: None }.on(surface)))
     }
 }
 

@@ -6,7 +6,9 @@ use super::experiment::{Experiment, HighlightImage, Measuring};
 use super::follow::follow_to_sensor;
 use super::measure::Mirrored;
 use super::tally::{Measurement, Tally};
+use super::thrown::{Throwing, within_picture};
 use super::verdict::Figure;
+use crate::scene::Scene;
 use crate::trace::traced_plate::Task;
 use crate::trace::{Hit, PieceKind, Surface};
 
@@ -26,6 +28,8 @@ pub struct OverRim<'a> {
     pub mirrored: Mirrored<'a>,
     /// Width of the rim, mm.
     pub width: f64,
+    /// Lamp and wall, if the light is collected on one: then as [`Throwing`] does.
+    pub scene: Option<&'a Scene>,
 }
 
 impl Task for OverRim<'_> {
@@ -34,6 +38,12 @@ impl Task for OverRim<'_> {
     fn on<S: Surface>(self, surface: &S) -> RimLight {
         let Mirrored { setup, metal, measuring, progress } = self.mirrored;
         let rim = RimOf { surface, width: self.width };
+        if let Some(scene) = self.scene {
+            let measuring = Measuring { rays: measuring.rays.min(RAYS), ..*measuring };
+            let throwing = Throwing { scene, metal, measuring: &measuring, within: None, progress };
+            let parts = throwing.on(&rim).map(Measurement::into_parts).unwrap_or_default();
+            return RimLight { parts };
+        }
         let experiment = Experiment { material: metal.clone(), ..Experiment::new(&rim, setup) };
         let sensor = HighlightImage { setup, resolution: measuring.resolution };
         let measuring = Measuring { rays: measuring.rays.min(RAYS), ..*measuring };
@@ -45,6 +55,12 @@ impl RimLight {
     /// The measurement of the optical area with this light over its image.
     pub fn over(&self, measurement: Measurement) -> Measurement {
         measurement.with_rim(&self.parts)
+    }
+
+    /// What of it falls within the picture, where it was collected on a wall.
+    pub fn within_picture(&self) -> Self {
+        let parts = Measurement::of_parts(self.parts.clone()).map(|light| within_picture(&light).into_parts());
+        Self { parts: parts.unwrap_or_default() }
     }
 
     /// Light on the rim, as a share of that on the optical area of `measurement`.
@@ -124,7 +140,7 @@ mod tests {
         let of = |rim: Rim| {
             let surface = GridSurface::new(&relief.with_rim(rim));
             let measurement = mirrored.on(&surface).unwrap();
-            let light = OverRim { mirrored, width: 3.0 }.on(&surface);
+            let light = OverRim { mirrored, width: 3.0, scene: None }.on(&surface);
             (light.in_image(&measurement), light.lit(&measurement), light.over(measurement))
         };
         let (flat, lit, whole) = of(3.0.into());

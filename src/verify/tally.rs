@@ -195,6 +195,16 @@ impl Measurement {
         self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| mean(part, more));
     }
 
+    /// The same with another view of every tally.
+    pub(super) fn mapped(&self, view: impl Fn(&Tally) -> Tally) -> Self {
+        Self { whole: view(&self.whole), parts: self.parts.iter().map(&view).collect() }
+    }
+
+    /// Its tallies.
+    pub(super) fn into_parts(self) -> Vec<Tally> {
+        self.parts
+    }
+
     /// The same with the light of a rim over its image, part by part; `rim` is as this would be of the rim alone.
     pub(super) fn with_rim(mut self, rim: &[Tally]) -> Self {
         for (part, rim) in self.parts.iter_mut().zip(rim) {

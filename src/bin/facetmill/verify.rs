@@ -51,7 +51,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
     let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-    let rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored: task, width: margin }));
+    let rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored: task, width: margin, scene: None }));
     let rim = rim.map(|light| RimProof::dull(light, &measurement));
     progress.stage(Stage::Scoring);
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
