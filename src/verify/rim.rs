@@ -147,7 +147,8 @@ mod tests {
         // The relief, which rises from its foot to 2.6 mm, shades what of the rim lies behind it.
         let area = 36.0 * 26.0 / 600.0 - 1.0;
         assert!(flat.value < area && flat.value > area - 0.06, "{flat:?} {area}");
-        assert!(flat.error < 0.002 && (flat.value - lit).abs() < 0.01, "{lit}");
+        // What of its light meets the relief's foot is thrown elsewhere.
+        assert!(flat.error < 0.005 && (0.0..0.05).contains(&(lit - flat.value)), "{flat:?} {lit}");
         let middle = whole.whole.lit_image().at(128, 127) + whole.whole.lit_image().at(127, 128);
         assert!(whole.whole.lit_image().max() > 0.5 && middle < 2.0);
         assert!((whole.whole.lit_image().sum() - 1.0 - flat.value).abs() < 1e-9);
