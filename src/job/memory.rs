@@ -28,7 +28,7 @@ const SCULPTED_NODE: f64 = 480.0;
 const TOOL_PLACE: f64 = 60.0;
 
 /// A place of the tool without steps: heights before, between and after.
-const FINE_PLACE: f64 = 24.0;
+const FINE_PLACE: f64 = 20.0;
 
 /// A square of a sheet's plate: two triangles, planes for pictures; and where light is sent over it.
 const SQUARE: (f64, f64) = (120.0, 200.0);

@@ -48,7 +48,11 @@ fn well_shaped(boxes: &[Aabb], which: Vec<u32>) -> Bvh2 {
 fn clustered(boxes: &[Aabb], which: Vec<u32>) -> Bvh2 {
     let chosen: Vec<Aabb> = which.iter().map(|&k| boxes[k as usize]).collect();
     let builder = &mut PlocBuilder::with_capacity(chosen.len());
-    builder.build(PlocSearchDistance::Low, &chosen, which, SortPrecision::U64, 2)
+    let ranks = (0..chosen.len() as u32).collect();
+    let mut pairs = builder.build(PlocSearchDistance::Low, &chosen, ranks, SortPrecision::U64, 2);
+    // Leaves name a place in this list.
+    pairs.primitive_indices = which;
+    pairs
 }
 
 /// The numbers of all triangles but those with the same corners in the same sense as an earlier one.
