@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
-use super::{Recipe, SurfaceKind};
+use super::{Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::least_diameter;
 
@@ -15,6 +15,7 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        self.check_scene()?;
         self.check_kind()?;
         match self.surface() {
             SurfaceKind::Facets => self.check_facets(),
@@ -96,6 +97,9 @@ pub enum RecipeError {
         /// Most possible.
         high: f64,
     },
+    /// Lamp and wall nearby that make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
     /// A setting of one kind of relief beside one of the other.
     #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
     OtherKind {
@@ -209,7 +213,11 @@ fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. })
+        match self {
+            Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } => false,
+            Self::Scene(fault) => fault.is_impossible(),
+            _ => true,
+        }
     }
 }
 
