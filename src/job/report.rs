@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::advice::{about_rim, advice, facets_are_better, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::near::NearDesign;
 use super::product::Product;
 use super::proof::{MilledProof, SheetProof};
 use crate::distribution::SlopeDistribution;
@@ -93,6 +94,23 @@ fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>)
         inner_valleys: steps.map(|s| s.inner_valleys),
         seconds: Named::from_iter(design.seconds.iter().copied().chain([total])),
         continuous: sheet.as_ref().map(|sheet| continuous(recipe, design, sheet)),
+        near: design.near.as_ref().map(near),
+    }
+}
+
+/// What is said of lamp and wall nearby.
+fn near(near: &NearDesign) -> NearFacts {
+    let scene = near.field.scene();
+    let finite = |mm: f64| Some(mm).filter(|mm| mm.is_finite());
+    NearFacts {
+        method: near.why.clone(),
+        lamp_distance_mm: finite(scene.lamp_distance()),
+        wall_distance_mm: finite(scene.wall_distance()),
+        focus_mm: scene.focal_length(),
+        sag_mm: near.field.sag(),
+        mirror_miss_mm: scene.mirror_miss(),
+        miss_deg: near.miss,
+        misplaced_by_stage: near.sheet.as_ref().map(|sheet| sheet.misplaced.clone()).unwrap_or_default(),
     }
 }
 

@@ -101,8 +101,12 @@ impl Recipe {
         }
     }
 
-    /// Light, image and a plate lying flat.
+    /// Light, image and a plate lying flat; of lamp and wall nearby what the plate's middle sees of them.
     pub fn setup(&self) -> Setup {
+        let near = self.scene().ok().flatten();
+        if let Some(setup) = near.as_ref().and_then(Setup::from_middle) {
+            return setup;
+        }
         let LightSettings { theta, phi, radius } = self.light;
         let HighlightSettings { projection, half_field, .. } = self.highlight;
         let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);

@@ -140,6 +140,30 @@ pub struct PlateFacts {
     /// Of a sheet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub continuous: Option<SheetFacts>,
+    /// Of lamp and wall nearby.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near: Option<NearFacts>,
+}
+
+/// How a design follows a lamp and a wall nearby.
+#[derive(Clone, Debug, Serialize)]
+pub struct NearFacts {
+    /// How, and why so.
+    pub method: String,
+    /// From the plate's middle to the lamp; null if it is endlessly far.
+    pub lamp_distance_mm: Option<f64>,
+    /// From the plate's middle to that of the picture; null if it is endlessly far.
+    pub wall_distance_mm: Option<f64>,
+    /// Focal length of the bowl.
+    pub focus_mm: f64,
+    /// Its height about its mean plane.
+    pub sag_mm: f64,
+    /// From the picture's middle to where the flat plate would throw the lamp; null without a wall. It costs tilt.
+    pub mirror_miss_mm: Option<f64>,
+    /// By how much the light of the far design misses, root mean square: as it is, on the bowl, and warped on it.
+    pub miss_deg: [f64; 3],
+    /// Misplaced light of the model at a blur of 0.5°, before the descent over the whole plate and after each stage.
+    pub misplaced_by_stage: Vec<f64>,
 }
 
 /// How a plate is to be mounted: the direction of its normal, degrees.

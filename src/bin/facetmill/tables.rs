@@ -49,6 +49,12 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         let how = if beside.as_milled { ", milled alike" } else { "" };
         table.push(row(other, percent(misplaced), format!("misplaced by {what} instead{how}")));
     }
+    if let Some(near) = &report.design.near {
+        let focus = format!("{:.0} mm", near.focus_mm);
+        table.push(row("focal length", focus, "of the bowl: 1/f = 1/lamp + 1/wall"));
+        let method = near.method.split(':').next().unwrap_or_default();
+        table.push(row("lamp and wall", method, near.method.split_once(": ").map_or("", |(_, why)| why)));
+    }
     if let Some(stopped) = report.design.continuous.as_ref().and_then(|sheet| sheet.stopped_early) {
         let steps = format!("{} of {}", stopped.steps_done, stopped.steps);
         table.push(row("stopped early", steps, "steps of the design were done"));

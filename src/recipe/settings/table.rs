@@ -17,7 +17,7 @@ const fn renamed(word: &'static str, before: &'static str, help: &'static str) -
     Word { word, before: Some(before), help }
 }
 
-const PLAIN: Setting = Setting {
+pub(super) const PLAIN: Setting = Setting {
     name: "",
     before: None,
     key: "",
@@ -39,8 +39,8 @@ const DESIGN: Setting = Setting { section: Section::Design, ..PLAIN };
 const SHEET: Setting = Setting { only: Some(SurfaceKind::Sheet), section: Section::Design, ..LENGTH };
 const FACETS: Setting = Setting { only: Some(SurfaceKind::Facets), ..DESIGN };
 
-/// Every setting but the picture itself.
-pub static SETTINGS: &[Setting] = &[
+/// Settings of highlight, plate, design and proof.
+pub(super) const GENERAL: &[Setting] = &[
     Setting {
         name: "half-field",
         key: "highlight.half-field",
