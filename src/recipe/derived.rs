@@ -82,6 +82,11 @@ impl Recipe {
         Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
     }
 
+    /// From the eye to a wall nearby, mm: as asked, or 3 m.
+    pub fn eye_distance(&self) -> f64 {
+        self.verify.eye_distance.unwrap_or(3000.0)
+    }
+
     /// How the rim is finished: as asked, or left dull.
     pub fn border_finish(&self) -> BorderFinish {
         self.plate.border_finish.unwrap_or_default()

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{Named, PictureFacts};
 use crate::brdf::material::Material;
@@ -25,6 +26,12 @@ pub struct DesignReport {
     pub blur: BlurFacts,
     /// The plate.
     pub design: PlateFacts,
+    /// How far lamp and wall must be for its figures to hold, if it was made for endlessly far ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holds_beyond: Option<HoldsBeyond>,
+    /// Light on the wall, if lamp or wall are near and light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<OnWallFacts>,
     /// Its rim, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rim: Option<RimFacts>,
@@ -237,6 +244,15 @@ pub struct StoppedEarly {
     pub steps_done: usize,
     /// All steps.
     pub steps: usize,
+}
+
+/// How far lamp and wall must be from a plate that knows nothing of them, mm: its own size then blurs by 0.005 rad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HoldsBeyond {
+    /// Each of them, from the plate.
+    pub lamp_and_wall_mm: f64,
+    /// The wall, under the sun.
+    pub wall_under_sun_mm: f64,
 }
 
 /// The rim around the optical area. Shares are of the light that falls on that area, and absent if no light was sent.

@@ -412,4 +412,15 @@ pub(super) const GENERAL: &[Setting] = &[
         at: |recipe| &mut recipe.verify.rays,
         ..COUNT
     },
+    Setting {
+        name: "eye-distance",
+        key: "verify.eye-distance",
+        section: Section::Running,
+        ranges: &[[100.0, 1e6]],
+        unset: "3000",
+        help: "From the eye to a wall nearby, mm: how finely its picture is looked at",
+        more: "An eye resolves 2.3 minutes of arc: 2 mm from 3 m.",
+        at: |recipe| &mut recipe.verify.eye_distance,
+        ..LENGTH
+    },
 ];
