@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
-use super::{BorderFinish, Recipe, SurfaceKind};
+use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::{Places, least_diameter};
 use crate::sculpt::tool::Tool;
@@ -16,6 +16,7 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        self.check_scene()?;
         self.check_kind()?;
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
@@ -112,6 +113,9 @@ pub enum RecipeError {
         /// Most possible.
         high: f64,
     },
+    /// Lamp and wall nearby that make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
     /// A setting of one kind of relief beside one of the other.
     #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
     OtherKind {
@@ -238,7 +242,11 @@ fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder)
+        match self {
+            Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::Scene(fault) => fault.is_impossible(),
+            _ => true,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{MeshFacts, PictureFacts};
 use crate::brdf::material::Material;
@@ -30,6 +31,9 @@ pub struct VerifyReport {
     /// other figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin_into_picture_if_polished: Option<f64>,
+    /// Light on the wall, if lamp or wall are near.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<OnWallFacts>,
     /// The figures.
     pub measured: Scores,
     /// What a person should know; empty if nothing is off.

@@ -2,13 +2,16 @@
 
 use facetmill::highlight::scored_target;
 use facetmill::job::exports;
+use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::{Proof, RimProof};
 use facetmill::memory::Need;
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::Recipe;
+use facetmill::raster::Raster;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
+use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
@@ -29,8 +32,19 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     args.settings.apply(&mut recipe);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
-    recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    let setup = mounted(recipe.setup(), args.mount)?;
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let mut recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
     let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
@@ -45,6 +59,8 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let margin = args.margin.unwrap_or(0.0);
     let opened = plates::open(&args.plate, margin, limit, image)?;
     let picture = inputs::picture(&args.against, &recipe.reading(), limit)?;
+    recipe.note_drawing(picture.original_size);
+    let setup = mounted(recipe.setup(), args.mount)?;
     progress.stage(Stage::Tracing);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {
@@ -54,13 +70,18 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     };
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
-    let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-    let rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored: task, width: margin, scene: None }));
-    let rim = rim.map(|light| RimProof::dull(light, &measurement));
-    progress.stage(Stage::Scoring);
-    let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
-    let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-    let proof = Proof { target, measurement, verdict, sheet: None, milled: None, rim };
+    let proof = match recipe.scene().ok().flatten() {
+        Some(scene) => in_room(&mut recipe, &scene, &opened, &picture.light, margin, task)?,
+        None => {
+            let measurement = opened.plate.run(task).ok_or_else(no_light)?;
+            let over = OverRim { mirrored: task, width: margin, scene: None };
+            let rim = (margin > 0.0).then(|| RimProof::dull(opened.plate.run(over), &measurement));
+            progress.stage(Stage::Scoring);
+            let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
+            let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
+            Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall: None }
+        }
+    };
 
     progress.stage(Stage::Files);
     let size = opened.size;
@@ -74,6 +95,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         metal,
         margin_mm: margin,
         margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
+        on_wall: proof.wall.as_ref().map(|wall| wall.facts(&recipe)),
         measured: (&proof.verdict).into(),
         advice: advice(&opened, &proof),
     };
@@ -94,6 +116,30 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     Ok(())
+}
+
+/// The proof of a plate in its room.
+fn in_room(
+    recipe: &mut Recipe,
+    scene: &Scene,
+    opened: &Opened,
+    light: &Raster,
+    margin: f64,
+    mirrored: Mirrored,
+) -> Result<Proof, Failure> {
+    recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();
+    // Nobody knows of a file where its cells end.
+    recipe.plate.cells = Some(1);
+    let room = RoomProof { recipe, light, scene, mirrored };
+    let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
+    let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
+    let rim = thrown.as_ref().filter(|_| margin > 0.0).map(|thrown| {
+        let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) });
+        rim_proof(light, thrown, BorderFinish::Matt)
+    });
+    let (measurement, verdict, designed) = room.judged(thrown, None)?;
+    let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
+    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall })
 }
 
 /// The setup with the plate mounted at the angles that were given, degrees.
