@@ -10,7 +10,7 @@ use crate::sculpt::tool::Tool;
 use crate::verify::tally;
 
 /// The program itself, its threads and small things.
-const GROUND: f64 = 6e7;
+const GROUND: f64 = 7e7;
 
 /// A pixel of the picture: its light, and the target that the proof is scored against.
 const PICTURE_PIXEL: f64 = 24.0;
@@ -24,6 +24,10 @@ const SHARPENED_PIXEL: f64 = 300.0;
 /// A node of the cell that is optimised: twenty grids of the descent's memory, and who touches whom in the closing.
 const SCULPTED_NODE: f64 = 480.0;
 
+/// The square on which a plate for a lamp or a wall nearby is shaped, for each of the plate; not measured, but all of its
+/// margin at the largest.
+const NEARBY: f64 = 1.5;
+
 /// A place of the tool: heights before and after, their slopes, the light of both.
 const TOOL_PLACE: f64 = 60.0;
 
@@ -31,16 +35,16 @@ const TOOL_PLACE: f64 = 60.0;
 const FINE_PLACE: f64 = 20.0;
 
 /// A square of a sheet's plate: two triangles, planes for pictures; and where light is sent over it.
-const SQUARE: (f64, f64) = (120.0, 200.0);
+const SQUARE: (f64, f64) = (75.0, 60.0);
 
 /// A place of the tool on the cell as milled, as light is sent over it.
-const MILLED_PLACE: f64 = 200.0;
+const MILLED_PLACE: f64 = 120.0;
 
 /// A facet, with its share of the solid.
-const FACET: f64 = 560.0;
+const FACET: f64 = 350.0;
 
 /// A place of the tool over a plate of facets.
-const FACET_PLACE: f64 = 60.0;
+const FACET_PLACE: f64 = 48.0;
 
 /// What the job of `recipe` takes at the most, for a picture of `side` pixels a side; `proved` if light is sent over it.
 pub fn need(recipe: &Recipe, side: usize, proved: bool) -> Need {
@@ -62,18 +66,18 @@ fn sheet(recipe: &Recipe, proved: bool) -> Vec<Need> {
     let nodes = (sculpting.grid as f64).powi(2);
     let squares = nodes * sculpting.cells.iter().map(|n| *n as f64).product::<f64>();
     let smaller = "lower --grid or --max-triangles, or leave them out";
-    let mut stages = vec![
-        Need::new(SCULPTED_NODE * nodes, "shaping the sheet", smaller),
-        Need::new(SQUARE.0 * squares, "the plate's solid", smaller),
-    ];
+    let mut stages = vec![Need::new(SQUARE.0 * squares, "the plate's solid", smaller)];
     if proved {
         stages.push(Need::new((SQUARE.0 + SQUARE.1) * squares, "the proof of the plate", smaller));
     }
+    // Beside a lamp or a wall nearby all cells are shaped at once, on a somewhat larger square.
+    let at_once = if recipe.is_near() { NEARBY * squares / nodes } else { 1.0 };
+    stages.push(Need::new(SCULPTED_NODE * nodes * at_once, "shaping the sheet", smaller));
     let Some(cutter) = sculpting.settings.cutter else { return stages };
     let finer = "take a larger cutter in --for-cutter, more --cells or a smaller --size";
-    let places = Tool::new(sculpting.cell, cutter).all_places();
-    let fine = Tool::without_steps(sculpting.cell, sculpting.grid, cutter).all_places();
-    let kept = SCULPTED_NODE * nodes;
+    let places = at_once * Tool::new(sculpting.cell, cutter).all_places();
+    let fine = at_once * Tool::without_steps(sculpting.cell, sculpting.grid, cutter).all_places();
+    let kept = SCULPTED_NODE * nodes * at_once;
     stages.push(Need::new(kept + TOOL_PLACE * places, "the cutter's way over a cell", finer));
     stages.push(Need::new(FINE_PLACE * fine, "the cutter's way over a cell", finer));
     if proved {
