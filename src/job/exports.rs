@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use super::pictures::{ProofPictures, target_picture};
 use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
-use crate::export::shading::relief_picture;
+use crate::export::shading::ReliefPicture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
@@ -184,7 +184,10 @@ impl<'a> Source<'a> {
     }
 
     fn relief(&self, out: &mut dyn Write) -> io::Result<()> {
-        png(&relief_picture(&self.product.design.relief, &self.product.made_of(), RELIEF_PICTURE_SIDE), out)
+        let Product { design, .. } = self.product;
+        let (relief, made_of) = (&design.relief, &self.product.made_of());
+        let page = ReliefPicture { relief, continuous: design.sheet.is_some(), made_of };
+        png(&page.picture(RELIEF_PICTURE_SIDE), out)
     }
 
     fn target(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -9,6 +9,8 @@
 
 pub mod clock;
 
+mod sentences;
+
 pub mod design;
 
 pub mod proof;
@@ -28,6 +30,7 @@ pub mod report;
 pub mod exports;
 
 pub use product::{Content, Product, png};
+pub use sentences::{finer_than_the_blur, in_a_sentence};
 
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};

@@ -6,7 +6,8 @@ use super::advice::{advice, facets_are_better, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::product::Product;
-use super::proof::{MilledProof, SheetProof};
+use super::proof::{MilledProof, Proof, SheetProof};
+use super::sentences::in_a_sentence;
 use crate::distribution::SlopeDistribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
@@ -36,7 +37,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
     DesignReport {
         program: PROGRAM,
-        picture: PictureFacts::new(picture, recipe.picture.clone()),
+        picture: PictureFacts::new(picture, recipe.picture_path().map(|path| path.to_string_lossy().into_owned())),
         recipe: recipe.clone(),
         highlight: HighlightFacts {
             below_plate: design.below_plate,
@@ -56,7 +57,17 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
         diffraction: sheet_proof.map(diffraction),
         as_milled: milled.map(as_milled),
         beside_facets: comparison.as_ref().map(beside_facets),
+        verdict: proof.as_ref().map(|proof| one_sentence(recipe, proof)),
         advice: said,
+    }
+}
+
+/// How the light of the plate came out: as it is made, if that is known.
+fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
+    match (&proof.milled, recipe.design.sheet.cutter) {
+        (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("Cut by {cutter}")),
+        (Some(milled), None) => in_a_sentence(&milled.verdict, "Polished"),
+        (None, _) => in_a_sentence(&proof.verdict, ""),
     }
 }
 

@@ -42,6 +42,9 @@ pub struct DesignReport {
     /// The sheet beside facets, if they were compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_facets: Option<BesideFacets>,
+    /// How the light came out, in a sentence, if any was sent: that of the plate as it is cut, if it has a cutter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
 }

@@ -28,6 +28,8 @@ pub struct VerifyReport {
     pub margin_mm: f64,
     /// The figures.
     pub measured: Scores,
+    /// How the light came out, in a sentence.
+    pub verdict: String,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
 }

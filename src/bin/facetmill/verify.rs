@@ -1,9 +1,9 @@
 //! `facetmill verify`: light over any closed STL, scored against a picture.
 
 use facetmill::highlight::scored_target;
-use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::Proof;
+use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
 use facetmill::picture;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::Recipe;
@@ -16,23 +16,24 @@ use facetmill::verify::measure::Mirrored;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::plates::Opened;
+use crate::stages::Stages;
 use crate::{inputs, plates, tables};
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     args.settings.apply(&mut recipe);
-    recipe.picture = Some(args.against.to_string_lossy().into_owned());
+    recipe.name_picture(&args.against);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     let setup = mounted(recipe.setup(), args.mount)?;
     let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
@@ -60,13 +61,14 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let report = VerifyReport {
         program: PROGRAM,
         plate: opened.facts.clone(),
-        picture: PictureFacts::new(&picture, recipe.picture.clone()),
+        picture: PictureFacts::new(&picture, Some(args.against.to_string_lossy().into_owned())),
         highlight: recipe.highlight,
         light: recipe.light,
         lobe_deg: recipe.plate.lobe,
         metal,
         margin_mm: margin,
         measured: (&proof.verdict).into(),
+        verdict: in_a_sentence(&proof.verdict, &format!("On {}", plates::name(&args.plate))),
         advice: advice(&opened, &proof.verdict),
     };
     staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
@@ -81,8 +83,9 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     staged.publish()?;
     stages.finish();
     tell(&args.running, &report, |report| Table {
-        title: format!("Wrote {}; look at comparison.png first", args.output.display()),
-        rows: tables::verify(report),
+        title: report.verdict.clone(),
+        rows: tables::verify_in_short(&args.output, report),
+        more: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     Ok(())
@@ -110,5 +113,6 @@ fn advice(opened: &Opened, verdict: &Verdict) -> Vec<String> {
             100.0 * verdict.backface
         ));
     }
+    advice.extend(finer_than_the_blur(verdict));
     advice
 }

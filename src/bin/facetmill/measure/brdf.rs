@@ -82,7 +82,7 @@ pub fn measure(
         Err(error @ MerlError::Anisotropic { .. }) => notes.push(format!("No brdf.binary was written: {error}.")),
         Err(error) => return Err(Failure::Impossible(format!("brdf.binary: {error}"))),
     }
-    let heading = format!("BRDF of {}, {}", bench.name, bench.material);
+    let heading = format!("BRDF of {}, {}", bench.name, bench.made_of);
     let drawn = DRAWN.map(f64::to_radians);
     staged.write_png("slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
     let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };

@@ -21,11 +21,12 @@ use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::args::MeasureArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::inputs;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
+use crate::stages::Stages;
 use crate::tables::Row;
 use crate::values::ExtentArg;
 
@@ -39,6 +40,8 @@ struct Bench {
     recipe: Recipe,
     setup: Setup,
     material: Material,
+    /// The material, as a caption says it.
+    made_of: String,
     lamp: Extent,
     measuring: Measuring,
 }
@@ -50,6 +53,9 @@ impl Bench {
         Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
+
+/// Figures that are told without --verbose.
+const SHORT: usize = 5;
 
 /// What a measurement has to say, its files being written already.
 struct Outcome {
@@ -75,7 +81,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     }
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MEASURE, &read), &run.gate)?;
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
@@ -85,6 +91,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         plate,
         endless,
         name: plates::name(&args.plate),
+        made_of: made_of(args, &recipe),
         material: args.material.clone().unwrap_or_else(|| recipe.metal()),
         lamp: lamp(args, &recipe)?,
         opened,
@@ -92,7 +99,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         setup,
         measuring,
     };
-    let outcome = if args.brdf {
+    let mut outcome = if args.brdf {
         brdf::measure(args, &bench, &mut staged, &progress)?
     } else if args.ndf {
         ndf::measure(args, &bench, &mut staged, &progress)?
@@ -122,9 +129,11 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
+    let more = outcome.rows.split_off(outcome.rows.len().min(SHORT));
     tell(&args.running, &report, |report| Table {
         title: format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at),
         rows: outcome.rows,
+        more,
         notes: report.advice.clone(),
     })?;
     Ok(())
@@ -138,6 +147,15 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
+}
+
+/// What the plate is made of, in the words that were used for it.
+fn made_of(args: &MeasureArgs, recipe: &Recipe) -> String {
+    match (&args.material, recipe.plate.lobe) {
+        (Some(material), _) => material.to_string(),
+        (None, 0.0) => "mirror".into(),
+        (None, lobe) => format!("mirror, lobe {lobe}°"),
+    }
 }
 
 fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
