@@ -23,6 +23,8 @@ pub mod pictures;
 
 mod product;
 
+mod lighter;
+
 mod advice;
 
 pub mod report;

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::advice::{advice, facets_are_better, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::lighter::{Lighter, lighter};
 use super::product::Product;
 use super::proof::{MilledProof, Proof, SheetProof};
 use super::sentences::in_a_sentence;
@@ -51,7 +52,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
             sharpening: design.sharpening.map(sharpening),
         },
         design: plate(recipe, design, comparison.as_ref()),
-        stl: stl(recipe, design),
+        stl: stl(product),
         designed: verdict.map(Into::into),
         windows_tv_1deg: sheet_proof.map(windows),
         diffraction: sheet_proof.map(diffraction),
@@ -126,7 +127,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
     }
 }
 
-fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
+fn stl(Product { recipe, design, proof, .. }: &Product) -> StlFacts {
     let (low, high) = design.relief.height_range();
     let triangles = design.mesh.triangles.len();
     StlFacts {
@@ -136,7 +137,13 @@ fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
         z_base_mm: low - recipe.plate.thickness,
         z_low_mm: low,
         z_high_mm: high,
+        lighter: proof.as_ref().and_then(|proof| lighter(recipe, design, &proof.target)).map(lighter_facts),
     }
+}
+
+fn lighter_facts(lighter: Lighter) -> LighterFacts {
+    let Lighter { grid, triangles, bytes, misplaced: [of_it, of_this] } = lighter;
+    LighterFacts { grid, triangles, bytes, tv_incident_1deg: of_it, tv_incident_1deg_of_this: of_this }
 }
 
 /// What sharpening the light against lamp and metal is worth, as far as the light is as wanted.

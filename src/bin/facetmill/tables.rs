@@ -54,7 +54,15 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
 /// The plate's file and its size.
 fn file(folder: &Path, report: &DesignReport) -> String {
     let (triangles, megabytes) = (report.stl.triangles, report.stl.bytes as f64 / 1e6);
-    format!("{}, {triangles} triangles, {megabytes:.1} MB", shown(&folder.join("plate.stl")))
+    let file = format!("{}, {triangles} triangles, {megabytes:.1} MB", shown(&folder.join("plate.stl")));
+    let Some(lighter) = &report.stl.lighter else { return file };
+    let flag = match report.recipe.plate.grid {
+        Some(_) => format!("--grid {}", lighter.grid),
+        None => format!("--max-triangles {}", lighter.triangles.next_multiple_of(10_000)),
+    };
+    let (smaller, light) = (lighter.bytes as f64 / 1e6, percent(lighter.tv_incident_1deg));
+    let now = percent(lighter.tv_incident_1deg_of_this);
+    format!("{file}: heavy for CAM; {flag} gives {smaller:.0} MB and about {light} misplaced in place of {now}")
 }
 
 /// How near the light is to the drawing.
