@@ -16,7 +16,7 @@ const LIMITS: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 
 /// What is to be compared.
 #[derive(Clone, Copy, Debug)]
-pub struct ComparisonPage<'a> {
+pub(crate) struct ComparisonPage<'a> {
     /// What stands below each other: the same highlight sharp and blurred, for instance. At least one is shown.
     pub rows: &'a [Comparison],
     /// The view all images cover, u and v from -1 to 1.
@@ -30,7 +30,7 @@ pub struct ComparisonPage<'a> {
 /// One row of a [`ComparisonPage`]: a target, a simulation, and their difference. Words may be empty; what is too long is
 /// set smaller, then cut off.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Comparison {
+pub(crate) struct Comparison {
     /// The wanted highlight, flux per pixel.
     pub target: Raster,
     /// What the plate gives, flux per pixel in the same unit; resampled to the target's size if it has another.

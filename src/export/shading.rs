@@ -29,7 +29,7 @@ const CONTOURS: f64 = 9.0;
 
 /// The picture of a relief from above.
 #[derive(Clone, Copy, Debug)]
-pub struct ReliefPicture<'a> {
+pub(crate) struct ReliefPicture<'a> {
     /// The whole relief, rim included.
     pub relief: &'a FacetedRelief,
     /// Whether it is one surface, whose facets are only the squares of its grid.

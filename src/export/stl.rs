@@ -31,7 +31,7 @@ const PREAMBLE: usize = HEADER_BYTES + 4;
 const RECORD: usize = 50;
 
 /// Size in bytes of a binary STL file of that many triangles.
-pub fn stl_bytes(triangles: usize) -> u64 {
+pub(crate) fn stl_bytes(triangles: usize) -> u64 {
     PREAMBLE as u64 + RECORD as u64 * triangles as u64
 }
 

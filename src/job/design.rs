@@ -70,14 +70,14 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
 }
 
 /// Who is told of every step of a sheet: what slopes are wanted, and what has been reached.
-pub type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
+pub(crate) type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
 
 /// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
 /// tells `on_step` of every step that is done.
 ///
 /// Told to finish, it ends with the best so far, facets less well arranged or a sheet less well shaped; abandoned, in
 /// [`DesignError::Cancelled`].
-pub fn design_with_checkpoints(
+pub(crate) fn design_with_checkpoints(
     recipe: &Recipe,
     light: &Raster,
     from: Option<Checkpoint>,

@@ -22,7 +22,7 @@ const FILLER: [u8; 64] = {
 };
 
 /// Decodes a file of one of the four formats. A decoder that panics is one that finds the file damaged.
-pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
     let format = sniff::format(bytes, name)?;
     fenced(|| decode_as(format, bytes, name)).unwrap_or_else(|panicked| Err(corrupt(format, name, &panicked)))
 }

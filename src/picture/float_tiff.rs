@@ -19,7 +19,7 @@ const FLOATS: u16 = 3;
 const MAX_LIST: usize = 1 << 20;
 
 /// `None`: not one of these pictures, or too damaged to tell; the general decoder shall judge it.
-pub fn decode(bytes: &[u8], name: &str) -> Option<Result<Pixels, PictureError>> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Option<Result<Pixels, PictureError>> {
     let mut limits = Limits::default();
     (limits.decoding_buffer_size, limits.intermediate_buffer_size) = (MAX_MEMORY as usize, MAX_MEMORY as usize);
     limits.ifd_value_size = MAX_LIST;

@@ -2,13 +2,13 @@
 //! would fail, and where a scan ends.
 
 /// Columns and rows by a PNG's header, before its decoder sets memory aside for a row.
-pub fn png_size(bytes: &[u8]) -> Option<(u64, u64)> {
+pub(crate) fn png_size(bytes: &[u8]) -> Option<(u64, u64)> {
     let number = |at: usize| Some(u32::from_be_bytes(*bytes.get(at..)?.first_chunk()?).into());
     (bytes.get(12..16)? == b"IHDR").then_some((number(16)?, number(20)?))
 }
 
 /// Length in bytes of a PNG's palette if it is not 1 to 256 colours of three bytes (PNG specification, 11.2.2).
-pub fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
+pub(crate) fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
     let mut at = 8;
     while let Some((length, rest)) = bytes.get(at..).and_then(|chunk| chunk.split_first_chunk()) {
         let length = u32::from_be_bytes(*length) as usize;
@@ -23,7 +23,7 @@ pub fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
 }
 
 /// Columns and rows by a WebP's first chunk. Its decoder takes a lossless picture 16384 wide for one without width.
-pub fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
+pub(crate) fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
     let data = bytes.get(20..)?;
     match bytes.get(12..16)? {
         // Signature, then 14 bits each of width - 1 and height - 1.
@@ -42,7 +42,7 @@ pub fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
 
 /// What a JPEG's markers say of its end.
 #[derive(Debug, PartialEq, Eq)]
-pub enum JpegEnd {
+pub(crate) enum JpegEnd {
     /// The end marker stands here, behind the first scan.
     At(usize),
     /// A scan begins and nothing ends it.
@@ -52,7 +52,7 @@ pub enum JpegEnd {
 }
 
 /// Where a JPEG's picture ends. Only what follows the first scan counts: a thumbnail before it has an end of its own.
-pub fn jpeg_end(bytes: &[u8]) -> JpegEnd {
+pub(crate) fn jpeg_end(bytes: &[u8]) -> JpegEnd {
     let mut at = 2;
     let mut scanned = false;
     while let Some(&[mark, kind]) = bytes.get(at..).and_then(|rest| rest.first_chunk()) {

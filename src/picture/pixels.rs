@@ -3,7 +3,7 @@
 use super::{MAX_SIDE, PictureError};
 
 /// The most a decoder may allocate, bytes.
-pub const MAX_MEMORY: u64 = 1 << 30;
+pub(crate) const MAX_MEMORY: u64 = 1 << 30;
 
 /// Pixels as the file has them: rows from the top, channels interleaved.
 pub struct Pixels {
@@ -20,7 +20,7 @@ pub struct Pixels {
 }
 
 /// Numbers of one depth.
-pub enum Samples {
+pub(crate) enum Samples {
     /// White is 255.
     U8(Vec<u8>),
     /// White is 65535.
@@ -54,7 +54,7 @@ impl Samples {
 }
 
 /// Refuses what is too large to hold or too small to draw on.
-pub fn check_size(width: u64, height: u64, name: &str) -> Result<(), PictureError> {
+pub(crate) fn check_size(width: u64, height: u64, name: &str) -> Result<(), PictureError> {
     let name = name.into();
     if width.max(height) > MAX_SIDE as u64 {
         Err(PictureError::TooLarge { name, width, height })

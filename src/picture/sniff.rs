@@ -5,7 +5,7 @@ use image::ImageFormat;
 use super::PictureError;
 
 /// This many bytes are enough to tell.
-pub const ENOUGH: u64 = 4096;
+pub(crate) const ENOUGH: u64 = 4096;
 
 const EXPORT: &str = "export it as PNG";
 const DRAWING: &str = "export it as PNG, 1000 pixels wide or more";

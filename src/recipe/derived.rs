@@ -34,7 +34,7 @@ impl Recipe {
     }
 
     /// Triangles of the file of a sheet whose cells have `grid` nodes a side, or a few more.
-    pub fn triangles(&self, grid: usize) -> f64 {
+    pub(crate) fn triangles(&self, grid: usize) -> f64 {
         let [columns, rows] = self.cells().map(|cells| (cells * grid) as f64);
         // The sides and the base have three for each edge around the plate; a rim has four more.
         let around = 2.0 * (columns + rows);
@@ -43,7 +43,7 @@ impl Recipe {
 
     /// Whether a sheet of `grid` nodes a side of a cell has no more triangles than it may. Where nothing was asked, only those of
     /// its upper surface count.
-    pub fn fits_the_file(&self, grid: usize) -> bool {
+    pub(crate) fn fits_the_file(&self, grid: usize) -> bool {
         /// An STL of 150 MB.
         const USUAL: f64 = 3e6;
         let surface = 2.0 * self.cells().map(|cells| (cells * grid) as f64).iter().product::<f64>();

@@ -84,7 +84,7 @@ impl FacetedRelief {
     }
 
     /// Heights of cell (i, j) at its corners, in the order (x0,y0), (x1,y0), (x1,y1), (x0,y1), mm.
-    pub fn corner_heights(&self, i: usize, j: usize) -> [f64; 4] {
+    pub(crate) fn corner_heights(&self, i: usize, j: usize) -> [f64; 4] {
         [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(a, b)| self.plane_height(i, j, DVec2::new(self.x[i + a], self.y[j + b])))
     }
 

@@ -150,11 +150,11 @@ pub struct Measurement {
 }
 
 /// Parts of a measurement, each an interleaved share of its rays.
-pub const PARTS: usize = 16;
+pub(crate) const PARTS: usize = 16;
 
 impl Measurement {
     /// From [`PARTS`] tallies; `None` if no light came in.
-    pub fn of_parts(parts: Vec<Tally>) -> Option<Self> {
+    pub(crate) fn of_parts(parts: Vec<Tally>) -> Option<Self> {
         let mut whole = Tally::empty(parts.first()?.size());
         parts.iter().for_each(|part| whole.add(part, 1.0));
         // Where closed forms gave light and rays took all of it back, rounding stays: far less than any ray, of either sign.
@@ -165,7 +165,7 @@ impl Measurement {
 
     /// Takes in another measurement of the same by as many rays, made with other random numbers: of the light the mean,
     /// so that mm² of light stay what one of them would have, and of rays the sum.
-    pub fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         let mean = |tally: &mut Tally, more: &Tally| {
             tally.add(more, 1.0);
             tally.halve();

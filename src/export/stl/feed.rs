@@ -8,7 +8,7 @@ use super::{HEADER_BYTES, PREAMBLE, StlError};
 const LONGEST_LINE: u64 = 4096;
 
 /// A binary file whose length has been found to fit its count, under a header that nobody takes for text.
-pub struct Records<'a, R> {
+pub(crate) struct Records<'a, R> {
     preamble: Cursor<[u8; PREAMBLE]>,
     file: &'a mut R,
 }
@@ -118,7 +118,7 @@ impl<R: BufRead + Seek> Lines<R> {
     }
 
     /// What `error` is about, which came up after `triangles` whole ones.
-    pub fn located(&self, error: StlError, triangles: usize) -> StlError {
+    pub(crate) fn located(&self, error: StlError, triangles: usize) -> StlError {
         let kind = match &error {
             StlError::Io(error) => error.kind(),
             _ => return error,

@@ -6,7 +6,7 @@ use super::StlError;
 use crate::relief::mesh::Mesh;
 
 /// Triangles whose vertices are merged by position.
-pub struct MergedTriangles {
+pub(crate) struct MergedTriangles {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     /// Open addressing: ids of vertices, or [`FREE`]. Less memory than a map that keeps the positions once more.
@@ -26,7 +26,7 @@ impl Default for MergedTriangles {
 
 impl MergedTriangles {
     /// Sets memory aside for `count` triangles.
-    pub fn reserve(&mut self, count: usize) {
+    pub(crate) fn reserve(&mut self, count: usize) {
         self.triangles.reserve_exact(count);
     }
 
@@ -49,7 +49,7 @@ impl MergedTriangles {
     }
 
     /// All of them as a mesh.
-    pub fn into_mesh(self) -> Mesh {
+    pub(crate) fn into_mesh(self) -> Mesh {
         Mesh { vertices: self.vertices, triangles: self.triangles }
     }
 

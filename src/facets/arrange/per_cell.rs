@@ -12,7 +12,7 @@ use crate::slope::Slope;
 /// as many times fewer distinct facets.
 ///
 /// `columns` and `rows` are multiples of the `cells` along them.
-pub fn arrange_per_cell(
+pub(crate) fn arrange_per_cell(
     mut slopes: Vec<Slope>,
     columns: usize,
     rows: usize,
