@@ -90,7 +90,12 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
         Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
     };
     Ok(measurement.and_then(|measurement| {
-        let (image, up) = (measurement.whole.share_image(), measurement.whole.up());
+        // The rim is the same.
+        let measurement = match &proof.rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
+        let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
         let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians())?;
         Some(Score { misplaced: scores.tv_incident, ssim: scores.ssim })
     }))

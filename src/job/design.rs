@@ -183,8 +183,8 @@ fn continuous(
     clock.lap(Stage::Sculpting);
     shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
     progress.stage(Stage::Solid);
-    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
-    let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
+    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.rim(&distribution.setup))?;
+    let relief = sheet.relief.faceted().with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
 }
@@ -223,7 +223,8 @@ fn faceted(
     };
     let steps = steps(&grid, &heights, pitch, periodic);
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
-    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets);
+    let relief = relief.with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);

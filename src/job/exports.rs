@@ -180,12 +180,17 @@ impl<'a> Source<'a> {
     }
 
     fn map(&self) -> &HeightMap {
-        self.map.get_or_init(|| height_map(&self.product.design.relief, HEIGHT_MAP_SIDE))
+        self.map.get_or_init(|| {
+            let mut map = height_map(&self.product.design.relief, HEIGHT_MAP_SIDE);
+            map.sidecar.rim = self.product.about_rim();
+            map
+        })
     }
 
     fn relief(&self, out: &mut dyn Write) -> io::Result<()> {
         let Product { design, .. } = self.product;
-        let (relief, made_of) = (&design.relief, &self.product.made_of());
+        let made_of: Vec<String> = [self.product.made_of()].into_iter().chain(self.product.about_rim()).collect();
+        let (relief, made_of) = (&design.relief, &made_of.join(", "));
         let page = ReliefPicture { relief, continuous: design.sheet.is_some(), made_of };
         png(&page.picture(RELIEF_PICTURE_SIDE), out)
     }

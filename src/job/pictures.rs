@@ -44,10 +44,10 @@ impl ProofPictures {
     /// Of `proof`, laid out by `view`; `footer` stands under the pages.
     pub fn new(proof: &Proof, recipe: &Recipe, view: &View, footer: &str) -> Self {
         let drawn = Drawn { view, footer, sharp: as_drawn(&proof.target, recipe) };
-        let simulated = as_drawn(&proof.measurement.whole.share_image(), recipe);
+        let simulated = as_drawn(&proof.measurement.whole.lit_image(), recipe);
         let milled = proof.milled.as_ref().map(|milled| {
             let how = recipe.design.sheet.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
-            let image = as_drawn(&milled.measurement.whole.share_image(), recipe);
+            let image = as_drawn(&milled.measurement.whole.lit_image(), recipe);
             drawn.beside(&image, &milled.verdict, &how)
         });
         Self {

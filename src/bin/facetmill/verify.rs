@@ -2,7 +2,7 @@
 
 use facetmill::highlight::scored_target;
 use facetmill::job::pictures::{ProofPictures, target_picture};
-use facetmill::job::proof::Proof;
+use facetmill::job::proof::{Proof, RimProof};
 use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
 use facetmill::picture;
 use facetmill::progress::{Event, Progress, Stage};
@@ -13,6 +13,7 @@ use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
+use facetmill::verify::rim::OverRim;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
@@ -51,10 +52,12 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
     let measurement = opened.plate.run(task).ok_or_else(no_light)?;
+    let rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored: task, width: margin, scene: None }));
+    let rim = rim.map(|light| RimProof::dull(light, &measurement));
     progress.stage(Stage::Scoring);
     let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
     let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-    let proof = Proof { target, measurement, verdict, sheet: None, milled: None };
+    let proof = Proof { target, measurement, verdict, sheet: None, milled: None, rim };
 
     progress.stage(Stage::Files);
     let size = opened.size;
@@ -67,9 +70,10 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         lobe_deg: recipe.plate.lobe,
         metal,
         margin_mm: margin,
+        margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
         measured: (&proof.verdict).into(),
         verdict: in_a_sentence(&proof.verdict, &format!("On {}", plates::name(&args.plate))),
-        advice: advice(&opened, &proof.verdict),
+        advice: advice(&opened, &proof),
     };
     staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
     let footer = format!(
@@ -105,8 +109,15 @@ fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
 }
 
 /// What a person should know of the mesh.
-fn advice(opened: &Opened, verdict: &Verdict) -> Vec<String> {
+fn advice(opened: &Opened, proof: &Proof) -> Vec<String> {
     let mut advice = opened.advice.clone();
+    let verdict = &proof.verdict;
+    if let Some(share) = proof.rim.as_ref().map(|rim| rim.into_picture.value).filter(|share| *share > 0.002) {
+        advice.push(format!(
+            "The margin was counted as dark: polished it would throw {:.1}% as much light as the rest into the picture.",
+            100.0 * share
+        ));
+    }
     if verdict.backface > 1e-4 {
         advice.push(format!(
             "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
