@@ -5,6 +5,8 @@ use crate::facets::sample::Sampling;
 use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
 use crate::report::estimate::{EstimateReport, Parts};
 use crate::sculpt::milled_facets::places;
+use crate::sculpt::plan::{SheetSpec, Step, plan};
+use crate::sculpt::tool::Tool;
 
 /// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
 type Measured = &'static [(f64, f64)];
@@ -40,8 +42,12 @@ const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
 /// CPU seconds a place of the tool on a plate of facets, to mill it and to send light over it.
 const MILLED_PLACE: f64 = 4.5e-7;
 
-/// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
-const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
+/// CPU seconds of any sheet, and for each evaluation of a node that its plan counts: without a cutter, and for one. Measured on
+/// cells of 64², 128² and 400² nodes (0.9, 2.5 and 6.5 s without a cutter), each a little more where other work went on.
+const SCULPTING: (f64, f64, f64) = (0.35, 1.7e-7, 3.4e-7);
+
+/// CPU seconds for each place of the tool over a cell: all the times that a sheet is milled on its way, and filled at the end.
+const TOOL_PLACE: f64 = 2.3e-6;
 
 /// What a design of `recipe` will be; `proved` if light is to be sent over it.
 ///
@@ -76,9 +82,7 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
 fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let sculpting = recipe.sculpting();
     let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
-    let nodes = (sculpting.grid * sculpting.grid) as f64;
     let triangles = 2 * columns * rows + 8 * (columns + rows);
-    let each = if sculpting.settings.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
     let step = sculpting.cell / sculpting.grid as f64;
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
@@ -93,10 +97,23 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
         parts: Parts::Sheet { grid: sculpting.grid, cells: sculpting.cells },
         stl_triangles_about: triangles,
         stl_bytes_about: stl_bytes(triangles),
-        design_cpu_seconds_about: 0.1 + each * nodes,
+        design_cpu_seconds_about: sculpting_seconds(&sculpting),
         verify_cpu_seconds_about: if proved { proof + beside } else { 0.0 },
         files_cpu_seconds_about: FILES + 2e-7 * triangles as f64,
         least_stray_share: None,
+    }
+}
+
+/// What the steps of a sheet's plan cost.
+fn sculpting_seconds(spec: &SheetSpec) -> f64 {
+    let evaluations: f64 = plan(spec).iter().map(Step::cost).sum();
+    let (fixed, bare, cut) = SCULPTING;
+    match spec.settings.cutter {
+        None => fixed + bare * evaluations,
+        Some(cutter) => {
+            let places = Tool::new(spec.cell, cutter).places as f64;
+            fixed + cut * evaluations + TOOL_PLACE * places * places
+        }
     }
 }
 

@@ -11,6 +11,7 @@ mod measure;
 mod milled;
 mod names;
 mod publishing;
+mod reports;
 mod stopping;
 mod telling;
 

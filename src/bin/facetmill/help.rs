@@ -61,16 +61,24 @@ pub fn command(all: bool) -> Command {
         command = command.mut_subcommand(name, |command| {
             let is_short = |arg: &Arg| !all && !arg.is_positional() && !shown.contains(&arg.get_id().as_str());
             let command = command.mut_args(|arg| if is_short(&arg) { arg.hide(true) } else { arg });
-            command.arg(
-                Arg::new("help_all")
-                    .long("help-all")
-                    .action(if all { ArgAction::HelpLong } else { ArgAction::SetTrue })
-                    .help("Print help with every flag, by groups")
-                    .display_order(1000),
-            )
+            command.arg(help_all(all))
         });
     }
-    command
+    command.arg(help_all(all).hide(true))
+}
+
+/// The flag that asks for all; where it is not there, nothing hangs on it.
+fn help_all(all: bool) -> Arg {
+    let action = if all { ArgAction::HelpLong } else { ArgAction::SetTrue };
+    let flag = Arg::new("help_all").long("help-all").action(action);
+    flag.help("Print help with every flag, by groups").display_order(1000)
+}
+
+/// Whether `command` has this flag.
+pub fn has_flag(name: &str, flag: &str) -> bool {
+    let command = command(true);
+    let flags = command.find_subcommand(name).into_iter().flat_map(Command::get_arguments);
+    flags.filter_map(Arg::get_long).any(|long| Some(long) == flag.strip_prefix("--"))
 }
 
 #[cfg(test)]
@@ -84,7 +92,9 @@ mod tests {
                 let mut command = command(all);
                 command.find_subcommand_mut(name).unwrap().render_long_help().to_string()
             };
-            let flags = |text: &str| text.lines().filter(|line| line.trim_start().starts_with('-')).count();
+            // Words that a flag takes stand behind a dash and a blank.
+            let is_flag = |line: &&str| line.trim_start().starts_with('-') && !line.trim_start().starts_with("- ");
+            let flags = |text: &str| text.lines().filter(is_flag).count();
             let (short, long) = (help(false), help(true));
             assert!(flags(&short) <= shown.len() + 3 && flags(&short) >= 10, "{name}: {short}");
             assert!(flags(&long) > flags(&short), "{name}");

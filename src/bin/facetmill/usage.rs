@@ -3,6 +3,7 @@
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::console::{Failure, report_failure};
+use crate::help::has_flag;
 
 /// Prints help where it was asked for, else what is wrong; the exit code.
 pub fn answer(error: &clap::Error) -> u8 {
@@ -20,7 +21,8 @@ pub fn answer(error: &clap::Error) -> u8 {
             let words: Vec<_> = std::env::args_os().skip(1).collect();
             let command = words.iter().find(|word| ["design", "verify", "measure"].iter().any(|name| *word == name));
             let message = error.render().to_string();
-            let message = better_hint(error).unwrap_or_else(|| sentence(&message));
+            let name = command.and_then(|command| command.to_str()).unwrap_or_default();
+            let message = better_hint(error, name).unwrap_or_else(|| sentence(&message));
             let help = command.map_or(String::new(), |command| format!(" {}", command.display()));
             let sentence = format!("{message}; see 'facetmill{help} --help-all'");
             report_failure(&Failure::Usage(sentence), words.iter().any(|word| word == "--json"))
@@ -29,8 +31,9 @@ pub fn answer(error: &clap::Error) -> u8 {
 }
 
 /// Words that people try, and the flag that does it.
-const MEANT: [(&str, &str); 12] = [
+const MEANT: [(&str, &str); 13] = [
     ("--shape", "--surface"),
+    ("--shape", "--wrap"),
     ("--cutter", "--for-cutter"),
     ("--tool", "--for-cutter"),
     ("--width", "--size"),
@@ -44,8 +47,8 @@ const MEANT: [(&str, &str); 12] = [
     ("--roughness", "--material"),
 ];
 
-/// What to say of a flag that is none, where the parser's own guess is far from it.
-fn better_hint(error: &clap::Error) -> Option<String> {
+/// What to say of a flag that `command` does not have, where the parser's own guess is far from it.
+fn better_hint(error: &clap::Error, command: &str) -> Option<String> {
     if error.kind() != ErrorKind::UnknownArgument {
         return None;
     }
@@ -55,7 +58,8 @@ fn better_hint(error: &clap::Error) -> Option<String> {
         _ => None,
     };
     let tried = text(ContextKind::InvalidArg)?;
-    let meant = MEANT.iter().find(|(word, _)| *word == tried).map(|(_, flag)| (*flag).to_owned());
+    let fits = |(word, flag): &&(&str, &str)| *word == tried && has_flag(command, flag);
+    let meant = MEANT.iter().find(fits).map(|(_, flag)| (*flag).to_owned());
     match (meant, text(ContextKind::SuggestedArg)) {
         (Some(flag), _) => Some(format!("there is no {tried}: did you mean {flag}?")),
         (None, Some(guess)) if edits(&tried, &guess) > MOST_EDITS => Some(format!("there is no {tried}")),
@@ -132,12 +136,12 @@ mod tests {
     fn a_flag_that_is_none_is_told_with_what_was_meant_or_with_nothing() {
         let said = |line: &str| {
             let words = std::iter::once("facetmill").chain(line.split_whitespace());
-            better_hint(&Cli::try_parse_from(words).unwrap_err())
+            better_hint(&Cli::try_parse_from(words).unwrap_err(), line.split(' ').next().unwrap())
         };
         let told = |line: &str| said(line).unwrap();
         assert_eq!(told("design a.png -o b --shape round"), "there is no --shape: did you mean --surface?");
         assert_eq!(told("design a.png -o b --cutter ball:1"), "there is no --cutter: did you mean --for-cutter?");
-        assert_eq!(told("measure a -o b --shade"), "there is no --shade");
+        assert_eq!(told("measure a -o b --shape ball"), "there is no --shape: did you mean --wrap?");
         assert_eq!(said("design a.png -o b --facts 3x3"), None);
         assert_eq!(said("design a.png -o b --thickness five"), None);
         assert_eq!(

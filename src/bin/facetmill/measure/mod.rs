@@ -101,17 +101,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         setup,
         measuring,
     };
-    let mut outcome = if args.brdf {
-        brdf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.ndf {
-        ndf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.wall.is_some() {
-        wall::measure(args, &bench, &mut staged, &progress)?
-    } else if args.look {
-        render::measure(args, &bench, &mut staged, &progress)?
-    } else {
-        highlight::measure(&bench, &mut staged, &progress)?
-    };
+    let mut outcome = measured(args, &bench, &mut staged, &progress)?;
     let report = MeasureReport {
         program: PROGRAM,
         plate: bench.opened.facts.clone(),
@@ -139,6 +129,21 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         notes: report.advice.clone(),
     })?;
     Ok(())
+}
+
+/// Measures what the flags ask for.
+fn measured(args: &MeasureArgs, bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
+    if args.brdf {
+        brdf::measure(args, bench, staged, progress)
+    } else if args.ndf {
+        ndf::measure(args, bench, staged, progress)
+    } else if args.wall.is_some() {
+        wall::measure(args, bench, staged, progress)
+    } else if args.look {
+        render::measure(args, bench, staged, progress)
+    } else {
+        highlight::measure(bench, staged, progress)
+    }
 }
 
 /// The flags laid over what the folder of a design says.
