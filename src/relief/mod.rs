@@ -9,3 +9,7 @@ pub mod periodic;
 pub mod mesh;
 
 pub mod recognise;
+
+pub mod placement;
+
+pub mod repeats;

@@ -128,6 +128,15 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         row("relief", relief, "from its lowest to its highest point"),
     ];
     table.extend(scores(&report.measured));
+    if let Some(milled) = &report.as_milled {
+        let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
+        table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
+    }
+    if let Some(allowed) = &report.at_most {
+        let kept = if allowed.kept { "kept" } else { "not kept" };
+        let limit = format!("at most {} at a blur of {}°: {kept}", percent(allowed.share), allowed.blur_deg);
+        table.push(row("allowed", percent(allowed.tv_incident), limit));
+    }
     table
 }
 

@@ -48,6 +48,17 @@ impl MergedTriangles {
         Ok(())
     }
 
+    /// The least and greatest coordinates.
+    pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for vertex in &self.vertices {
+            for k in 0..3 {
+                (low[k], high[k]) = (low[k].min(vertex[k]), high[k].max(vertex[k]));
+            }
+        }
+        (low, high)
+    }
+
     /// All of them as a mesh.
     pub fn into_mesh(self) -> Mesh {
         Mesh { vertices: self.vertices, triangles: self.triangles }

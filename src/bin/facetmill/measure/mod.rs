@@ -79,7 +79,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0), &args.placing)?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {
         plate,
