@@ -8,7 +8,7 @@ use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
 /// A planned transform of `width` × `height` grids.
-pub struct Fourier {
+pub(crate) struct Fourier {
     rows: Line,
     columns: Line,
 }
@@ -30,7 +30,7 @@ impl Fourier {
 
     /// The waves (or cosines) that add up to the real grid `values`, of the planned size and not empty: that of
     /// frequency indices (i, j) is number i · height + j, for waves Σ value(x, y) exp(-i(ax + by)).
-    pub fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
+    pub(crate) fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
         let mut waves: Vec<Complex64> = values.iter().map(|&v| Complex64::new(v, 0.0)).collect();
         self.rows.forward(&mut waves);
         // Columns lie in rows of the transposed grid.
@@ -66,13 +66,13 @@ impl Fourier {
 }
 
 /// The angular frequency, radians a sample, of wave `k` of `n`.
-pub fn frequency(k: usize, n: usize) -> f64 {
+pub(crate) fn frequency(k: usize, n: usize) -> f64 {
     let signed = if 2 * k <= n { k as f64 } else { k as f64 - n as f64 };
     TAU * signed / n as f64
 }
 
 /// The next number from `n` up with no prime factor above 5, for which transforms are fast.
-pub fn smooth_size(n: usize) -> usize {
+pub(crate) fn smooth_size(n: usize) -> usize {
     let divided = |mut m: usize, prime: usize| {
         while m.is_multiple_of(prime) {
             m /= prime;
@@ -83,7 +83,7 @@ pub fn smooth_size(n: usize) -> usize {
 }
 
 /// The next even number from `n` up with no prime factor above 5.
-pub fn even_smooth_size(n: usize) -> usize {
+pub(crate) fn even_smooth_size(n: usize) -> usize {
     2 * smooth_size(n.div_ceil(2))
 }
 

@@ -82,7 +82,7 @@ impl Chain {
         Self { ids: [id; 4], len: 1 }
     }
 
-    pub fn ids(&self) -> &[u32] {
+    pub(crate) fn ids(&self) -> &[u32] {
         &self.ids[..self.len]
     }
 }

@@ -15,7 +15,7 @@ const LIMITS: [f64; 5] = [0.05, 0.1, 0.2, 0.5, 1.0];
 
 /// What is to be compared, and what is to be said about it.
 #[derive(Clone, Copy, Debug)]
-pub struct ComparisonPage<'a> {
+pub(crate) struct ComparisonPage<'a> {
     /// The wanted highlight, flux per pixel.
     pub target: &'a Raster,
     /// What the plate gives, flux per pixel in the same unit; resampled to the target's size if it has another.
@@ -30,7 +30,7 @@ pub struct ComparisonPage<'a> {
 
 /// The words of a [`ComparisonPage`]; any may be empty. What is too long is set smaller, then cut off.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Captions {
+pub(crate) struct Captions {
     /// Over all; leave empty to do without.
     pub heading: String,
     /// Over each panel.

@@ -25,7 +25,7 @@ const CELLS: usize = HALF * DIFFERENCE * AROUND;
 /// What a stored 1 means, 1/sr.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// Largest [`anisotropy`] beyond noise that still counts as isotropic.
-pub const ISOTROPIC_WITHIN: f64 = 0.05;
+pub(crate) const ISOTROPIC_WITHIN: f64 = 0.05;
 
 /// How much a table changes when the plate is turned under light and viewer: the mean |f - mean of f over turns| over
 /// the mean of f, each weighted with its flux; and the part of it that the table's standard errors explain.

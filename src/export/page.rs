@@ -79,7 +79,7 @@ impl Page {
     }
 
     /// Fills the rectangle `[x, y, width, height]`.
-    pub fn fill(&mut self, [x, y, width, height]: [i64; 4], colour: Rgb<u8>) {
+    pub(crate) fn fill(&mut self, [x, y, width, height]: [i64; 4], colour: Rgb<u8>) {
         let clip = |from: i64, length: i64, limit: u32| {
             from.clamp(0, i64::from(limit)) as u32..(from + length).clamp(0, i64::from(limit)) as u32
         };
@@ -100,7 +100,7 @@ impl Page {
     }
 
     /// Draws a line through `points`, `wide` pixels across; see [`stroke::stroke`].
-    pub fn stroke(&mut self, points: &[DVec2], wide: f64, colour: Rgb<u8>) {
+    pub(crate) fn stroke(&mut self, points: &[DVec2], wide: f64, colour: Rgb<u8>) {
         stroke::stroke(&mut self.image, points, wide, colour);
     }
 
@@ -110,7 +110,7 @@ impl Page {
     }
 
     /// The same within `room` pixels: what is too long is set smaller, then cut off.
-    pub fn write_fitted(&mut self, text: &str, at: (f32, f32), style: Style, room: f32) {
+    pub(crate) fn write_fitted(&mut self, text: &str, at: (f32, f32), style: Style, room: f32) {
         let (text, size) = lettering::fitted(text, style.size, room);
         self.write(&text, at, Style { size, ..style });
     }

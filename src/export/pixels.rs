@@ -13,7 +13,7 @@ const UNCLIPPED: f64 = 0.995;
 const LIT: f64 = 1e-3;
 
 /// The sRGB transfer curve (IEC 61966-2-1): linear light in [0, 1] to code value in [0, 1]; clipped, NaN gives 0.
-pub fn srgb_encoded(linear: f64) -> f64 {
+pub(crate) fn srgb_encoded(linear: f64) -> f64 {
     let v = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
@@ -51,7 +51,7 @@ pub fn common_white(target: &Raster) -> f64 {
 ///
 /// Both arms fall linearly in Oklab lightness and alike, so that equal departures look equally strong
 /// (Ottosson, "A perceptual color space for image processing", 2020).
-pub fn diverging(t: f64) -> Rgb<u8> {
+pub(crate) fn diverging(t: f64) -> Rgb<u8> {
     let strength = if t.is_nan() { 0.0 } else { t.abs().min(1.0) };
     let hue = f64::to_radians(if t < 0.0 { 256.0 } else { 26.0 });
     let lightness = 1.0 - 0.58 * strength;

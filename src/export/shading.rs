@@ -33,7 +33,7 @@ const HAIRLINE: f64 = 0.16;
 /// shaded by their exact planes under a lamp at the upper left, higher ground is a little warmer, and a wall shows
 /// as a bright or dark edge as wide as its height asks for. All slopes are exaggerated by a round factor that makes
 /// the steeper facets stand out; the caption states it.
-pub fn relief_picture(relief: &FacetedRelief, made_of: &str, pixels: usize) -> RgbImage {
+pub(crate) fn relief_picture(relief: &FacetedRelief, made_of: &str, pixels: usize) -> RgbImage {
     let (low, high) = relief.bounds();
     let size = (high - low).truncate();
     let [width, height] = pixel_counts(size, pixels.clamp(16, 8192));

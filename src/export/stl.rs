@@ -36,7 +36,7 @@ const ENOUGH: usize = 4096;
 const MOST_LOST: u64 = 1000;
 
 /// Size in bytes of a binary STL file of that many triangles.
-pub fn stl_bytes(triangles: usize) -> u64 {
+pub(crate) fn stl_bytes(triangles: usize) -> u64 {
     PREAMBLE as u64 + RECORD as u64 * triangles as u64
 }
 

@@ -25,7 +25,7 @@ const STEPS: [(f64, f64); 14] = [
 
 /// A mark on an image axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tick {
+pub(crate) struct Tick {
     /// Signed angle from the image's centre, degrees: positive toward +u or +v.
     pub angle: f64,
     /// u or v, in [-1, 1].
@@ -38,7 +38,7 @@ pub struct Tick {
 ///
 /// The position of a tick is where the direction seen there really stands that far from the centre's direction,
 /// found through the view itself, so that the scale is true for every projection and lamp.
-pub fn ticks(view: &View, along: DVec2) -> Vec<Tick> {
+pub(crate) fn ticks(view: &View, along: DVec2) -> Vec<Tick> {
     let half_field = view.half_field().to_degrees();
     let (coarse, fine) =
         STEPS.into_iter().find(|(step, _)| 2.0 * half_field / step <= 6.0 + 1e-9).unwrap_or(STEPS[STEPS.len() - 1]);
@@ -84,7 +84,7 @@ pub fn position(view: &View, along: DVec2, angle: f64) -> Option<f64> {
 }
 
 /// The largest of 1, 2, 5 × 10^k not above `limit`; `None` unless `limit` is a positive number.
-pub fn round_below(limit: f64) -> Option<f64> {
+pub(crate) fn round_below(limit: f64) -> Option<f64> {
     if !(limit > 0.0 && limit.is_finite()) {
         return None;
     }

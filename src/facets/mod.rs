@@ -46,7 +46,7 @@ impl SlopeGrid {
 
     /// Pairs of x-neighbours (left, right), as indices into `slopes`. A grid of one column has none;
     /// `periodic` adds the pair that closes each row.
-    pub fn x_pairs(&self, periodic: bool) -> impl Iterator<Item = (usize, usize)> + use<> {
+    pub(crate) fn x_pairs(&self, periodic: bool) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (columns, rows) = (self.columns, self.rows);
         let pairs = pairs_along(columns, periodic);
         (0..rows).flat_map(move |j| (0..pairs).map(move |i| (j * columns + i, j * columns + (i + 1) % columns)))
@@ -54,7 +54,7 @@ impl SlopeGrid {
 
     /// Pairs of y-neighbours (lower, upper), as indices into `slopes`. A grid of one row has none;
     /// `periodic` adds the pair that closes each column.
-    pub fn y_pairs(&self, periodic: bool) -> impl Iterator<Item = (usize, usize)> + use<> {
+    pub(crate) fn y_pairs(&self, periodic: bool) -> impl Iterator<Item = (usize, usize)> + use<> {
         let (columns, rows) = (self.columns, self.rows);
         let pairs = pairs_along(rows, periodic);
         (0..pairs).flat_map(move |j| (0..columns).map(move |i| (j * columns + i, (j + 1) % rows * columns + i)))

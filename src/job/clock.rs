@@ -43,7 +43,7 @@ fn cpu() -> Duration {
 }
 
 /// CPU seconds of stages in order.
-pub struct Clock {
+pub(crate) struct Clock {
     last: Duration,
     laps: Vec<(&'static str, f64)>,
 }
@@ -55,14 +55,14 @@ impl Clock {
     }
 
     /// Bills `stage` for the time since the last call.
-    pub fn lap(&mut self, stage: Stage) {
+    pub(crate) fn lap(&mut self, stage: Stage) {
         let now = cpu();
         self.laps.push((stage.id(), now.saturating_sub(self.last).as_secs_f64()));
         self.last = now;
     }
 
     /// All bills.
-    pub fn into_laps(self) -> Vec<(&'static str, f64)> {
+    pub(crate) fn into_laps(self) -> Vec<(&'static str, f64)> {
         self.laps
     }
 }

@@ -43,7 +43,7 @@ pub struct FacetComparison {
 impl FacetComparison {
     /// Whether the facets misplace clearly less light: for less than a tenth nobody wants their steps, and rays
     /// have their noise.
-    pub fn facets_are_better(&self) -> bool {
+    pub(crate) fn facets_are_better(&self) -> bool {
         self.flat.misplaced < (1.0 - CLEARLY) * self.continuous.misplaced
     }
 }
@@ -72,7 +72,7 @@ pub fn beside_facets(
 }
 
 /// The same recipe for flat facets, in one dome: the best that facets can do.
-pub fn of_facets(recipe: &Recipe) -> Recipe {
+pub(crate) fn of_facets(recipe: &Recipe) -> Recipe {
     let mut recipe = recipe.clone().only_for(SurfaceKind::Facets);
     recipe.plate.cells = None;
     recipe
@@ -90,7 +90,12 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
         Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
     };
     Ok(measurement.and_then(|measurement| {
-        let (image, up) = (measurement.whole.share_image(), measurement.whole.up());
+        // The rim is the same.
+        let measurement = match &proof.rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
+        let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
         let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians())?;
         Some(Score { misplaced: scores.tv_incident, ssim: scores.ssim })
     }))

@@ -69,14 +69,14 @@ pub fn design(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<De
 }
 
 /// Who is told of every step of a sheet: what slopes are wanted, and what has been reached.
-pub type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
+pub(crate) type OnStep<'a> = &'a mut (dyn FnMut(&SlopeDistribution, &Checkpoint) + Send);
 
 /// The same, for sheets that take long: goes on from where an earlier run of the same recipe had come, and
 /// tells `on_step` of every step that is done.
 ///
 /// Told to finish, it ends with the best so far, facets less well arranged or a sheet less well shaped; abandoned, in
 /// [`DesignError::Cancelled`].
-pub fn design_with_checkpoints(
+pub(crate) fn design_with_checkpoints(
     recipe: &Recipe,
     light: &Raster,
     from: Option<Checkpoint>,
@@ -186,8 +186,8 @@ fn continuous(
     clock.lap(Stage::Sculpting);
     shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
     progress.stage(Stage::Solid);
-    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
-    let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
+    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.rim(&distribution.setup))?;
+    let relief = sheet.relief.faceted().with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
 }
@@ -226,7 +226,8 @@ fn faceted(
     };
     let steps = steps(&grid, &heights, pitch, periodic);
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
-    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets);
+    let relief = relief.with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{advice, facets_are_better, mean_slope_costs};
+use super::advice::{about_rim, advice, facets_are_better, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::product::Product;
@@ -33,6 +33,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     let sheet_proof = proof.as_ref().and_then(|proof| proof.sheet.as_ref());
     let milled = proof.as_ref().and_then(|proof| proof.milled.as_ref());
     let mut said = advice(recipe, design, verdict);
+    said.extend(proof.as_ref().and_then(|proof| about_rim(recipe, proof.rim.as_ref()?)));
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
     DesignReport {
         program: PROGRAM,
@@ -50,6 +51,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
             sharpening: design.sharpening.map(sharpening),
         },
         design: plate(recipe, design, comparison.as_ref()),
+        rim: product.about_rim().map(|for_the_shop| rim(product, for_the_shop)),
         stl: stl(recipe, design),
         designed: verdict.map(Into::into),
         windows_tv_1deg: sheet_proof.map(windows),
@@ -64,7 +66,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
 fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>) -> PlateFacts {
     let Design { distribution, sheet, .. } = design;
     let steps = design.facets.as_ref().map(|facets| facets.steps);
-    let (low, high) = design.relief.height_range();
+    let (low, high) = design.relief.optical_heights();
     let pitch = sheet.as_ref().map_or_else(|| recipe.pitch(), |sheet| sheet.relief.step());
     let mean = distribution.mean;
     let normal = distribution.setup.plate_normal();
@@ -115,14 +117,31 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
     }
 }
 
+fn rim(product: &Product, for_the_shop: String) -> RimFacts {
+    let Product { recipe, design, proof, .. } = product;
+    let light = proof.as_ref().and_then(|proof| proof.rim.as_ref());
+    let counted = |figure: f64| light.map(|rim| if rim.counts { figure } else { 0.0 });
+    RimFacts {
+        width_mm: recipe.plate.border,
+        finish: recipe.border_finish(),
+        slope_deg: recipe.rim(&design.distribution.setup).fall.atan().to_degrees(),
+        for_the_shop,
+        light_on_it: light.map(|rim| rim.lit),
+        into_picture: light.and_then(|rim| counted(rim.into_picture.value)),
+        into_picture_if_polished: light.map(|rim| rim.into_picture.value),
+        error: light.map(|rim| rim.into_picture.error),
+    }
+}
+
 fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
-    let (low, high) = design.relief.height_range();
+    let (low, high) = design.relief.optical_heights();
+    let lowest = design.relief.height_range().0;
     let triangles = design.mesh.triangles.len();
     StlFacts {
         units: "mm",
         triangles,
         bytes: stl_bytes(triangles),
-        z_base_mm: low - recipe.plate.thickness,
+        z_base_mm: lowest - recipe.plate.thickness,
         z_low_mm: low,
         z_high_mm: high,
     }

@@ -25,7 +25,7 @@ const FILLER: [u8; 64] = {
 };
 
 /// Decodes a file of a format that is read. A decoder that panics is one that finds the file damaged.
-pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
     let format = sniff::format(bytes, name)?;
     let work = || match format {
         Format::General(format) => general(format, bytes, name),

@@ -11,7 +11,7 @@ use super::pixels::{MAX_MEMORY, Pixels, Samples, check_size};
 use super::{PictureError, one_line};
 
 /// Decodes the first layer that has colours or brightness.
-pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
     let complain = |error| complaint(error, name);
     let about = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(complain)?;
     let named = |layer: usize, channel: &str| {

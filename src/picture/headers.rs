@@ -2,13 +2,13 @@
 //! would fail, and where a scan ends.
 
 /// Columns and rows by a PNG's header, before its decoder sets memory aside for a row.
-pub fn png_size(bytes: &[u8]) -> Option<(u64, u64)> {
+pub(crate) fn png_size(bytes: &[u8]) -> Option<(u64, u64)> {
     let number = |at: usize| Some(u32::from_be_bytes(*bytes.get(at..)?.first_chunk()?).into());
     (bytes.get(12..16)? == b"IHDR").then_some((number(16)?, number(20)?))
 }
 
 /// The chunks of a PNG that are there as a whole: kind and content.
-pub fn png_chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
+pub(crate) fn png_chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
     let mut rest = bytes.get(8..).unwrap_or_default();
     std::iter::from_fn(move || {
         let (length, after) = rest.split_first_chunk()?;
@@ -21,14 +21,14 @@ pub fn png_chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
 }
 
 /// Length in bytes of a PNG's palette if it is not 1 to 256 colours of three bytes (PNG specification, 11.2.2).
-pub fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
+pub(crate) fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
     let before = png_chunks(bytes).take_while(|(kind, _)| !matches!(*kind, b"IDAT" | b"IEND"));
     let mut lengths = before.filter(|(kind, _)| *kind == b"PLTE").map(|(_, content)| content.len());
     lengths.find(|&length| length == 0 || length > 3 * 256 || !length.is_multiple_of(3))
 }
 
 /// A PNG that has no end, ended where its bytes do; `None` if it has an end, or no data to end.
-pub fn ended_png(bytes: &[u8]) -> Option<Vec<u8>> {
+pub(crate) fn ended_png(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut ended = bytes.get(..8)?.to_vec();
     let mut data = false;
     let add = |ended: &mut Vec<u8>, kind: &[u8; 4], content: &[u8]| {
@@ -62,7 +62,7 @@ pub fn ended_png(bytes: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// Whether a PNG or a WebP says that it moves.
-pub fn moves(bytes: &[u8]) -> bool {
+pub(crate) fn moves(bytes: &[u8]) -> bool {
     match bytes.get(..4) {
         Some(b"RIFF") => bytes.get(12..16) == Some(b"VP8X") && bytes.get(20).is_some_and(|flags| flags & 2 != 0),
         _ => png_chunks(bytes).take_while(|(kind, _)| *kind != b"IDAT").any(|(kind, _)| kind == b"acTL"),
@@ -70,7 +70,7 @@ pub fn moves(bytes: &[u8]) -> bool {
 }
 
 /// Columns and rows by a WebP's first chunk. Its decoder takes a lossless picture 16384 wide for one without width.
-pub fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
+pub(crate) fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
     let data = bytes.get(20..)?;
     match bytes.get(12..16)? {
         // Signature, then 14 bits each of width - 1 and height - 1.
@@ -88,7 +88,7 @@ pub fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
 }
 
 /// The number that stands for white in a PGM, PPM or PAM file.
-pub fn netpbm_white(bytes: &[u8]) -> Option<u32> {
+pub(crate) fn netpbm_white(bytes: &[u8]) -> Option<u32> {
     let head = &bytes[..bytes.len().min(1 << 16)];
     let kind = *head.get(1)?;
     if kind == b'7' {
@@ -112,7 +112,7 @@ pub fn netpbm_white(bytes: &[u8]) -> Option<u32> {
 
 /// What a JPEG's markers say of its end.
 #[derive(Debug, PartialEq, Eq)]
-pub enum JpegEnd {
+pub(crate) enum JpegEnd {
     /// The end marker stands here, behind the first scan.
     At(usize),
     /// A scan begins and nothing ends it.
@@ -122,7 +122,7 @@ pub enum JpegEnd {
 }
 
 /// Where a JPEG's picture ends. Only what follows the first scan counts: a thumbnail before it has an end of its own.
-pub fn jpeg_end(bytes: &[u8]) -> JpegEnd {
+pub(crate) fn jpeg_end(bytes: &[u8]) -> JpegEnd {
     let mut at = 2;
     let mut scanned = false;
     while let Some(&[mark, kind]) = bytes.get(at..).and_then(|rest| rest.first_chunk()) {

@@ -21,7 +21,7 @@ const ALL_BUT_STRAYS: f64 = 0.99;
 
 /// What the dark parts of a picture with opacity are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Dark {
+pub(crate) enum Dark {
     /// Nothing that is worth a word.
     Negligible,
     /// This share of what is drawn is dark and few tones: it gives no light.
@@ -33,7 +33,7 @@ pub enum Dark {
 }
 
 /// Judges pixels with opacity by what each gives if it were opaque.
-pub fn dark(pixels: &Pixels, means: &Means) -> Dark {
+pub(crate) fn dark(pixels: &Pixels, means: &Means) -> Dark {
     let count = pixels.width * pixels.height;
     let mut tones = [0.0; 256];
     for k in 0..count {

@@ -15,7 +15,7 @@ const BLACK_INK: f64 = 2.0 / 255.0 / 12.92;
 const EVEN: f64 = 1e-4;
 
 /// The light of each pixel and the notes so far. Consumes the pixels, so that a large picture is in memory only once.
-pub fn light(mut pixels: Pixels, name: &str, reading: &Reading) -> Result<(Raster, Vec<String>), PictureError> {
+pub(crate) fn light(mut pixels: Pixels, name: &str, reading: &Reading) -> Result<(Raster, Vec<String>), PictureError> {
     let count = pixels.width * pixels.height;
     let mut notes = std::mem::take(&mut pixels.notes);
     let statement = pixels.statement.take();
@@ -194,7 +194,7 @@ impl Pixels {
     }
 
     /// The encoded colours of a pixel as if it were opaque, and how many they are; `None` where they are no numbers.
-    pub fn colours_at(&self, index: usize, opacity: f64) -> Option<([f64; 3], usize)> {
+    pub(crate) fn colours_at(&self, index: usize, opacity: f64) -> Option<([f64; 3], usize)> {
         let mut values = self.colours_of(index);
         if !opacity.is_finite() || values.iter().any(|v| !v.is_finite()) {
             return None;
@@ -210,7 +210,7 @@ impl Pixels {
     }
 
     /// Opacity of a pixel, 0 to 1; NaN where it is no finite number.
-    pub fn opacity(&self, index: usize) -> f64 {
+    pub(crate) fn opacity(&self, index: usize) -> f64 {
         if !self.has_opacity() {
             return 1.0;
         }
@@ -241,7 +241,7 @@ impl Odd {
 }
 
 /// A note on light that is no drawing: the same in each pixel, or all in one.
-pub fn plainness(light: &Raster) -> Option<String> {
+pub(crate) fn plainness(light: &Raster) -> Option<String> {
     let most = light.max();
     if light.values.iter().all(|v| (most - v) <= EVEN * most) {
         return Some("Every pixel is equally bright: the highlight will be an even patch of light.".into());

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Whether this is a pipe that [`open`] can open.
-pub fn is_pipe(about: &Metadata) -> bool {
+pub(crate) fn is_pipe(about: &Metadata) -> bool {
     #[cfg(unix)]
     return std::os::unix::fs::FileTypeExt::is_fifo(&about.file_type());
     #[cfg(not(unix))]
@@ -17,7 +17,7 @@ pub fn is_pipe(about: &Metadata) -> bool {
 }
 
 /// A pipe, to be read to its end. An ordinary opening would wait for ever for somebody who writes.
-pub fn open(path: &Path) -> io::Result<impl Read> {
+pub(crate) fn open(path: &Path) -> io::Result<impl Read> {
     let mut options = File::options();
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);

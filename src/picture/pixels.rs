@@ -6,10 +6,10 @@ use super::statement::Statement;
 use super::{MAX_SIDE, PictureError};
 
 /// The most a decoder may allocate, bytes.
-pub const MAX_MEMORY: u64 = 1 << 30;
+pub(crate) const MAX_MEMORY: u64 = 1 << 30;
 
 /// Pixels as the file has them: rows from the top, channels interleaved.
-pub struct Pixels {
+pub(crate) struct Pixels {
     /// Columns.
     pub width: usize,
     /// Rows.
@@ -28,12 +28,12 @@ pub struct Pixels {
 
 impl Pixels {
     /// Pixels of which the file says nothing more.
-    pub fn plain((width, height): (usize, usize), channels: usize, samples: Samples) -> Self {
+    pub(crate) fn plain((width, height): (usize, usize), channels: usize, samples: Samples) -> Self {
         Self { width, height, channels, samples, premultiplied: false, statement: None, notes: Vec::new() }
     }
 
     /// Turned and flipped as the camera noted.
-    pub fn upright(self, orientation: Orientation) -> Self {
+    pub(crate) fn upright(self, orientation: Orientation) -> Self {
         let (w, h) = (self.width, self.height);
         // Where the pixel stands in the file that is to be seen at (x, y).
         let from: fn(usize, usize, usize, usize) -> (usize, usize) = match orientation {
@@ -61,7 +61,7 @@ impl Pixels {
 }
 
 /// Numbers of one depth.
-pub enum Samples {
+pub(crate) enum Samples {
     /// White is 255.
     U8(Vec<u8>),
     /// White is 65535.
@@ -74,7 +74,7 @@ pub enum Samples {
 
 impl Samples {
     /// How many numbers there are.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::U8(v) => v.len(),
             Self::U16(v) => v.len(),
@@ -84,7 +84,7 @@ impl Samples {
     }
 
     /// Number `i`, white being 1.
-    pub fn at(&self, i: usize) -> f64 {
+    pub(crate) fn at(&self, i: usize) -> f64 {
         match self {
             Self::U8(v) => f64::from(v[i]) / 255.0,
             Self::U16(v) => f64::from(v[i]) / 65535.0,
@@ -94,7 +94,7 @@ impl Samples {
     }
 
     /// Makes white of what the file says is `white`, unless its decoder has done so.
-    pub fn whiten(&mut self, white: u32) {
+    pub(crate) fn whiten(&mut self, white: u32) {
         let most = match self {
             Self::U8(v) => v.iter().max().map_or(0, |most| u32::from(*most)),
             Self::U16(v) => v.iter().max().map_or(0, |most| u32::from(*most)),
@@ -112,7 +112,7 @@ impl Samples {
     }
 
     /// `count` groups of `size` numbers, group k from the one that begins at `place(k)`.
-    pub fn gathered(&self, size: usize, count: usize, place: impl Fn(usize) -> usize) -> Self {
+    pub(crate) fn gathered(&self, size: usize, count: usize, place: impl Fn(usize) -> usize) -> Self {
         fn pick<T: Copy>(all: &[T], size: usize, count: usize, place: impl Fn(usize) -> usize) -> Vec<T> {
             (0..count).flat_map(|k| all[place(k)..place(k) + size].iter().copied()).collect()
         }
@@ -126,7 +126,7 @@ impl Samples {
 }
 
 /// Refuses what is too large to hold or too small to draw on.
-pub fn check_size(width: u64, height: u64, name: &str) -> Result<(), PictureError> {
+pub(crate) fn check_size(width: u64, height: u64, name: &str) -> Result<(), PictureError> {
     let name = name.into();
     if width.max(height) > MAX_SIDE as u64 {
         Err(PictureError::TooLarge { name, width, height })

@@ -5,7 +5,7 @@ use image::ImageFormat;
 use super::PictureError;
 
 /// This many bytes are enough to tell.
-pub const ENOUGH: u64 = 1 << 16;
+pub(crate) const ENOUGH: u64 = 1 << 16;
 
 const EXPORT: &str = "export it as PNG";
 const DRAWING: &str = "export it as PNG, 1000 pixels wide or more";
@@ -52,7 +52,7 @@ const DEVELOP: &str = "develop it and export it as 16-bit PNG or TIFF";
 
 /// A format that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub(crate) enum Format {
     /// The general decoder knows it.
     General(ImageFormat),
     /// TIFF, BigTIFF too.
@@ -67,7 +67,7 @@ pub enum Format {
 
 impl Format {
     /// The format's name as people write it.
-    pub fn title(self) -> &'static str {
+    pub(crate) fn title(self) -> &'static str {
         match self {
             Self::General(ImageFormat::Png) => "PNG",
             Self::General(ImageFormat::Jpeg) => "JPEG",
@@ -86,14 +86,14 @@ impl Format {
 }
 
 /// What is read, for messages.
-pub const READ: &str = if cfg!(all(feature = "exr", feature = "svg")) {
+pub(crate) const READ: &str = if cfg!(all(feature = "exr", feature = "svg")) {
     "PNG, JPEG, TIFF, WebP, GIF, BMP, PGM, PPM, Radiance HDR, OpenEXR and SVG"
 } else {
     "PNG, JPEG, TIFF, WebP, GIF, BMP, PGM, PPM and Radiance HDR"
 };
 
 /// The format of a file that begins with `bytes`, one of those that are read.
-pub fn format(bytes: &[u8], name: &str) -> Result<Format, PictureError> {
+pub(crate) fn format(bytes: &[u8], name: &str) -> Result<Format, PictureError> {
     if bytes.is_empty() {
         return Err(PictureError::Empty { name: name.into() });
     }

@@ -12,13 +12,13 @@ use moxcms::{
 use super::one_line;
 
 /// Luminance of linear red, green and blue: ITU-R BT.709-6, item 3.2.
-pub const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+pub(crate) const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Curves and weights nearer than this are the same. The profiles that programs write for sRGB differ by up to 1e-3.
 const SAME: f64 = 2e-3;
 
 /// What a file says, and where.
-pub struct Statement {
+pub(crate) struct Statement {
     /// What in the file says so, as "its sRGB chunk".
     pub by: String,
     /// What it says.
@@ -26,7 +26,7 @@ pub struct Statement {
 }
 
 /// How an encoded number becomes light.
-pub enum Means {
+pub(crate) enum Means {
     /// By the curve of sRGB, primaries of Rec. 709.
     Srgb,
     /// Proportionally, primaries of Rec. 709.
@@ -36,11 +36,11 @@ pub enum Means {
 }
 
 /// From an encoded number to light.
-pub type Curve = Box<dyn Fn(f64) -> f64 + Send + Sync>;
+pub(crate) type Curve = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 
 impl Means {
     /// Light of a grey number or of red, green and blue, as encoded.
-    pub fn light(&self, encoded: &[f64]) -> f64 {
+    pub(crate) fn light(&self, encoded: &[f64]) -> f64 {
         let curve = |k: usize, value: f64| match self {
             Self::Srgb => srgb(value),
             Self::Linear => value,
@@ -74,13 +74,13 @@ impl Means {
 }
 
 /// sRGB-encoded value to linear light (IEC 61966-2-1).
-pub fn srgb(encoded: f64) -> f64 {
+pub(crate) fn srgb(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
 /// What a PNG's gamma chunk states, in units of 1e-5 of the exponent with which light was encoded. The value for sRGB
 /// is written by programs that mean sRGB and know of no better chunk.
-pub fn of_gamma(chunk: u32) -> Option<Statement> {
+pub(crate) fn of_gamma(chunk: u32) -> Option<Statement> {
     let exponent = f64::from(chunk) / 1e5;
     let means = match chunk {
         0 => return None,
@@ -95,7 +95,7 @@ pub fn of_gamma(chunk: u32) -> Option<Statement> {
 }
 
 /// What the four code points of ITU-T H.273 state: primaries, transfer, matrix, range.
-pub fn of_code_points([primaries, transfer, _, full]: [u8; 4]) -> Option<Statement> {
+pub(crate) fn of_code_points([primaries, transfer, _, full]: [u8; 4]) -> Option<Statement> {
     let color_primaries = CicpColorPrimaries::try_from(primaries).ok()?;
     let transfer_characteristics = TransferCharacteristics::try_from(transfer).ok()?;
     if full != 1 || ToneReprCurve::make_cicp_linear_evaluator(transfer_characteristics).is_err() {
@@ -110,7 +110,7 @@ pub fn of_code_points([primaries, transfer, _, full]: [u8; 4]) -> Option<Stateme
 }
 
 /// What a colour profile (ICC.1) states of pixels with `colours` colours; a note if it cannot be obeyed.
-pub fn of_profile(bytes: &[u8], colours: usize, notes: &mut Vec<String>) -> Option<Statement> {
+pub(crate) fn of_profile(bytes: &[u8], colours: usize, notes: &mut Vec<String>) -> Option<Statement> {
     let mut pass_over = |why: &str| {
         notes.push(format!("Its colour profile was passed over: {why}."));
         None

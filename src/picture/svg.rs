@@ -27,7 +27,7 @@ const LARGEST_LAYER: f64 = 25.0;
 const DEEPEST: usize = 200;
 
 /// Draws a file that looks like SVG.
-pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
     let corrupt = |reason: &dyn std::fmt::Display| PictureError::Corrupt {
         name: name.into(),
         format: "SVG",

@@ -22,7 +22,7 @@ const MAX_LIST: usize = 1 << 20;
 const PALETTE: Tag = Tag::ColorMap;
 
 /// Decodes the picture of a TIFF file.
-pub fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
+pub(crate) fn decode(bytes: &[u8], name: &str) -> Result<Pixels, PictureError> {
     let corrupt = |reason: &str| PictureError::Corrupt { name: name.into(), format: "TIFF", reason: reason.into() };
     let layout = Layout::new(bytes).ok_or_else(|| corrupt("its header is none"))?;
     let pages = layout.pages();

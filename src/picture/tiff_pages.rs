@@ -11,7 +11,7 @@ const ENTRIES: u64 = 4096;
 
 /// What a directory says of its page.
 #[derive(Clone, Debug, Default)]
-pub struct Page {
+pub(crate) struct Page {
     /// Where its directory stands.
     pub offset: u64,
     /// Columns and rows.
@@ -31,7 +31,7 @@ pub struct Page {
 }
 
 /// TIFF 6.0, or the variant with offsets of 64 bits.
-pub struct Layout<'a> {
+pub(crate) struct Layout<'a> {
     bytes: &'a [u8],
     big_endian: bool,
     /// Offsets of 64 bits.
@@ -40,7 +40,7 @@ pub struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     /// `None`: this is no TIFF.
-    pub fn new(bytes: &'a [u8]) -> Option<Self> {
+    pub(crate) fn new(bytes: &'a [u8]) -> Option<Self> {
         let big_endian = match bytes.get(..2)? {
             b"II" => false,
             b"MM" => true,
@@ -64,19 +64,19 @@ impl<'a> Layout<'a> {
     }
 
     /// `offset` as it would stand in the header, and where it stands there.
-    pub fn first(&self, offset: u64) -> (usize, Vec<u8>) {
+    pub(crate) fn first(&self, offset: u64) -> (usize, Vec<u8>) {
         let (at, size) = if self.wide { (8, 8) } else { (4, 4) };
         (at, self.encoded(offset, size))
     }
 
     /// `value` in `size` bytes.
-    pub fn encoded(&self, value: u64, size: usize) -> Vec<u8> {
+    pub(crate) fn encoded(&self, value: u64, size: usize) -> Vec<u8> {
         let bytes = value.to_le_bytes()[..size].to_vec();
         if self.big_endian { bytes.into_iter().rev().collect() } else { bytes }
     }
 
     /// All pages in the order of the file, those within a page behind it.
-    pub fn pages(&self) -> Vec<Page> {
+    pub(crate) fn pages(&self) -> Vec<Page> {
         let mut pages: Vec<Page> = Vec::new();
         let mut next = self.number(if self.wide { 8 } else { 4 }, if self.wide { 8 } else { 4 });
         while let Some(offset) = next.filter(|offset| *offset > 0 && pages.len() < MOST) {
@@ -149,7 +149,7 @@ impl<'a> Layout<'a> {
 
 /// The index of the picture among `pages`: the first page that is neither a smaller copy nor a mask, unless a later
 /// page of the same proportions is larger: then the first was a preview.
-pub fn picture(pages: &[Page]) -> usize {
+pub(crate) fn picture(pages: &[Page]) -> usize {
     let whole = |page: &&(usize, &Page)| !page.1.reduced && !page.1.mask && page.1.size.0 > 0 && page.1.size.1 > 0;
     let numbered: Vec<(usize, &Page)> = pages.iter().enumerate().collect();
     let Some(&(first, page)) = numbered.iter().find(whole) else { return 0 };

@@ -28,13 +28,13 @@ impl Recipe {
 
     /// Whether nothing was asked for that only one kind of relief can give: neither the kind, nor cells, nor a setting of
     /// either.
-    pub fn leaves_the_kind_open(&self) -> bool {
+    pub(crate) fn leaves_the_kind_open(&self) -> bool {
         let asked = [self.given_only_for(SurfaceKind::Facets), self.given_only_for(SurfaceKind::Sheet)];
         self.plate.surface.is_none() && self.plate.cells.is_none() && asked == [None, None]
     }
 
     /// Why the relief is of its kind, in a sentence for the report.
-    pub fn why_this_surface(&self) -> String {
+    pub(crate) fn why_this_surface(&self) -> String {
         match (self.plate.surface, self.given_only_for(SurfaceKind::Facets)) {
             (Some(SurfaceKind::Facets), _) => "facets: as --surface asks".into(),
             (Some(SurfaceKind::Sheet), _) => "sheet: as --surface asks".into(),

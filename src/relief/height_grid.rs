@@ -55,7 +55,7 @@ pub fn rises(corners: [f64; 4]) -> bool {
 
 /// The same rule told from how much, or how steeply, a square rises along its bottom and along its top.
 #[inline]
-pub fn top_rises_more<T: PartialOrd>(bottom: T, top: T) -> bool {
+pub(crate) fn top_rises_more<T: PartialOrd>(bottom: T, top: T) -> bool {
     top > bottom
 }
 

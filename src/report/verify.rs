@@ -27,6 +27,10 @@ pub struct VerifyReport {
     pub metal: Material,
     /// Rim that is no optical area, mm.
     pub margin_mm: f64,
+    /// What that rim would throw into the picture if it were polished, as a share of the light on the optical area; in no
+    /// other figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin_into_picture_if_polished: Option<f64>,
     /// The figures.
     pub measured: Scores,
     /// The same of the plate as its recipe's cutter leaves it, if it has one.

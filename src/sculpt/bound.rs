@@ -53,7 +53,7 @@ pub struct Unavoidable {
 /// `slopes` are the wanted ones relative to their mean, equal shares each, as of
 /// [`SlopePlane::samples`](super::target::SlopePlane::samples); `cell` is the size of a cell, mm. Gaps between
 /// neighbouring samples pass for gaps of the drawing: with 65 536 of them that is an error of some 10⁻⁵.
-pub fn unavoidable(slopes: &[DVec2], cell: DVec2, cutter: Cutter) -> Unavoidable {
+pub(crate) fn unavoidable(slopes: &[DVec2], cell: DVec2, cutter: Cutter) -> Unavoidable {
     let nothing = Unavoidable { share: 0.0, along: DIRECTIONS[0], gap: [0.0; 2] };
     let bounds: Vec<Unavoidable> = DIRECTIONS
         .into_par_iter()

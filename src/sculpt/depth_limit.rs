@@ -12,7 +12,7 @@ const FIRMNESS: f64 = 0.03;
 
 /// The range of heights without a penalty, and the price of what lies beyond.
 #[derive(Clone, Copy, Debug)]
-pub struct DepthLimit {
+pub(crate) struct DepthLimit {
     /// mm.
     low: f32,
     /// mm.
@@ -43,7 +43,7 @@ impl DepthLimit {
 }
 
 /// How much deeper than `most` mm heights `z` are, as a share of it.
-pub fn excess_depth(z: &[f32], most: f64) -> f64 {
+pub(crate) fn excess_depth(z: &[f32], most: f64) -> f64 {
     let (low, high) = range(z);
     (f64::from(high - low) / most - 1.0).max(0.0)
 }

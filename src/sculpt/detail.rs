@@ -13,7 +13,7 @@ use super::periodic_filter::smoothed;
 
 /// Change of the light, as total variation after a blur of 1°, that counts as visible: about twice the error that a
 /// good sheet has there (0.0008, docs/relief.md).
-pub const SEEN: f64 = 0.002;
+pub(crate) const SEEN: f64 = 0.002;
 
 /// Wavelength of light to which the eye is most sensitive, mm.
 pub const WAVELENGTH: f64 = 0.55e-3;
@@ -55,7 +55,7 @@ impl Detail {
 /// `changed` returns, for smoothed heights of its cell, the total variation between their light and that of the heights as
 /// they are; [`SEEN`] is the limit. It is called about ten times. `None` if the light stays the same however wide the
 /// Gaussian, as that of a plane does. Where a Gaussian as wide as one triangle already changes it, that one is returned.
-pub fn smallest_detail(relief: &PeriodicRelief, changed: impl Fn(&[f32]) -> f64) -> Option<Detail> {
+pub(crate) fn smallest_detail(relief: &PeriodicRelief, changed: impl Fn(&[f32]) -> f64) -> Option<Detail> {
     let step = relief.step().min_element();
     let is_seen = |sigma: f64| changed(&smoothed(relief, sigma)) > SEEN;
     let (mut unseen, mut seen) = (NARROWEST * step, WIDEST * relief.cell.min_element());

@@ -30,7 +30,7 @@ const STEP: f64 = 0.7;
 const RANK_BINS: usize = 4096;
 
 /// The iterations on one lattice.
-pub struct Matching {
+pub(crate) struct Matching {
     lattice: Lattice,
     filter: PeriodicFilter,
     /// Gains of the inverse of ∇ᵀ∇.

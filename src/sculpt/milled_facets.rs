@@ -38,7 +38,7 @@ pub fn places(area: f64, cutter: Cutter) -> f64 {
 }
 
 /// The smallest cutter whose fillets can be followed over a plate of `area` mm²: its diameter, mm.
-pub fn least_diameter(area: f64) -> f64 {
+pub(crate) fn least_diameter(area: f64) -> f64 {
     LEAST_ACROSS_CUTTER * (area / MOST).sqrt()
 }
 

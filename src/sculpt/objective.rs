@@ -30,7 +30,7 @@ use super::target::SlopeTarget;
 use super::tool::{Tool, polished};
 
 /// The loss of reliefs on one lattice, at one scale.
-pub struct Objective {
+pub(crate) struct Objective {
     lattice: Lattice,
     settings: SheetSettings,
     /// Mean slope of the plate.
@@ -93,7 +93,7 @@ impl Objective {
 
     /// Sets the weights of the penalties: that on concave edges shall be `valley_share` of the loss of heights `z`, and
     /// the depth limit is laid about their middle.
-    pub fn set_penalties(&mut self, z: &[f32], valley_share: f64) {
+    pub(crate) fn set_penalties(&mut self, z: &[f32], valley_share: f64) {
         let edges = self.edges(z);
         let (loss, penalty) = (self.compare(&edges).0, self.light.penalty(&edges));
         self.valley_weight = if penalty > 0.0 { valley_share * loss / penalty } else { 0.0 };
@@ -101,13 +101,13 @@ impl Objective {
     }
 
     /// How much deeper than allowed heights `z` are, as a share of what is allowed.
-    pub fn excess_depth(&self, z: &[f32]) -> f64 {
+    pub(crate) fn excess_depth(&self, z: &[f32]) -> f64 {
         self.settings.max_depth.map_or(0.0, |most| excess_depth(z, most))
     }
 
     /// Mills heights `z` on the tool's grid: from now on, the light of that surface less the light of the model is added
     /// to the light of any relief. Its gradient is that of the model alone.
-    pub fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
+    pub(crate) fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
         let Some(cutter) = self.settings.cutter else { return };
         let relief = relief(self.lattice, z, self.tilt);
         let milled = Tool::new(relief.cell, cutter).mill(&relief, progress).relief;
@@ -195,7 +195,7 @@ pub fn relief(lattice: Lattice, z: &[f32], tilt: Slope) -> PeriodicRelief {
 
 /// How far the machined surface may lie above a written valley, mm: just under the half micrometre that docs/relief.md
 /// promises. The sharpest jump of slope that is wanted grows as its root.
-pub const CLEARANCE: f64 = 0.45e-3;
+pub(crate) const CLEARANCE: f64 = 0.45e-3;
 
 /// The jump of slope at a concave edge from which on it costs more than its area.
 ///

@@ -31,13 +31,13 @@ const MIDDLE: usize = 256;
 
 /// Length of a descent's first move, as a share of the largest unknown. It matters for one step: L-BFGS scales all others
 /// by the curvature that it has met.
-pub const DESCENT_FIRST_MOVE: f64 = 0.02;
+pub(crate) const DESCENT_FIRST_MOVE: f64 = 0.02;
 
 /// Moves that a descent remembers: 5 to 20 are usual, and each takes two more grids of memory.
-pub const MEMORY: usize = 10;
+pub(crate) const MEMORY: usize = 10;
 
 /// A descent ends when a step lowers the loss by less than this share of it. Few do: the number of steps decides.
-pub const TOLERANCE: f64 = 1e-6;
+pub(crate) const TOLERANCE: f64 = 1e-6;
 
 /// A descent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,11 +60,11 @@ const fn stage(blur: f64, alpha: f64, steps: usize, concave: f64) -> Stage {
 pub const TRIES: [Stage; 2] = [stage(3.0, 1.0, 40, 0.3), stage(1.5, 1.0, 40, 1.0)];
 
 /// Rounds of matching of a try: of `ROUNDS` the part that brings most.
-pub const TRIAL_ROUNDS: usize = 15;
+pub(crate) const TRIAL_ROUNDS: usize = 15;
 
 /// The descent after them. A logo of sixteen pieces needed 80 steps to tell which start is best; with a cutter a step costs
 /// twice as much, and 30 do.
-pub fn trial_descent(sculpting: &SheetSpec) -> Stage {
+pub(crate) fn trial_descent(sculpting: &SheetSpec) -> Stage {
     stage(0.5, 0.75, if sculpting.settings.cutter.is_some() { 30 } else { 80 }, 1.0)
 }
 
@@ -162,7 +162,7 @@ fn halved(grid: usize, most: usize) -> usize {
 /// can be handled.
 ///
 /// `most_triangles` is for the whole plate.
-pub fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, most_triangles: usize) -> usize {
+pub(crate) fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, most_triangles: usize) -> usize {
     /// Enough for a picture: at half as many, details of a quarter of a degree are grainy.
     const FOR_A_PICTURE: f64 = 400.0;
     // Transforms are fast where all factors are small, and grids are halved once or twice on the way.

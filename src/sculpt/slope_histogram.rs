@@ -48,13 +48,13 @@ impl SlopeHistogram {
 
     /// The changes of p alone and of q alone that lead one bin further.
     #[inline]
-    pub fn slope_per_bin(&self) -> [f32; 2] {
+    pub(crate) fn slope_per_bin(&self) -> [f32; 2] {
         self.per_slope.map(|[x, y]| 1.0 / x.abs().max(y.abs()))
     }
 
     /// A gradient with respect to bins as one with respect to slopes.
     #[inline]
-    pub fn to_slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+    pub(crate) fn to_slope(self, [x, y]: [f32; 2]) -> [f32; 2] {
         let [[xp, yp], [xq, yq]] = self.per_slope;
         [xp * x + yp * y, xq * x + yq * y]
     }
@@ -93,7 +93,7 @@ impl SlopeHistogram {
     }
 
     /// How many equal pieces the line between two places is cut into, and the middle of each with its share of the way.
-    pub fn points_between(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
+    pub(crate) fn points_between(&self, from: Place, to: Place) -> (usize, impl Iterator<Item = (f32, Place)> + use<>) {
         let (dx, dy) = (to.x - from.x, to.y - from.y);
         // About two bins a piece: no blur of the design is narrower than two bins (see `Work::objective`), so that
         // neither the potential nor the blurred light tells such pieces from a line.

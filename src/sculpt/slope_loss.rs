@@ -49,13 +49,13 @@ pub struct LossScale {
 impl LossScale {
     /// Whether its blur is narrow enough for the light of the tool's grid to count. It falls on lines, 4.6° apart for a ball,
     /// which a wider blur makes too faint to be worth the milling that finds them.
-    pub const fn is_fine(self) -> bool {
+    pub(crate) const fn is_fine(self) -> bool {
         self.blur < 0.4
     }
 }
 
 /// The loss at one scale, over the bins of one target.
-pub struct SlopeLoss {
+pub(crate) struct SlopeLoss {
     side: usize,
     bin: f64,
     filter: PeriodicFilter,
@@ -95,7 +95,7 @@ impl SlopeLoss {
 
     /// Total variation of a difference of light after a Gaussian blur of `blur` degrees: half the sum of its absolute
     /// values.
-    pub fn total_variation(&self, mut difference: Vec<f32>, blur: f64) -> f64 {
+    pub(crate) fn total_variation(&self, mut difference: Vec<f32>, blur: f64) -> f64 {
         self.blur(&mut difference, blur);
         0.5 * difference.iter().map(|d| f64::from(d.abs())).sum::<f64>()
     }

@@ -27,7 +27,7 @@ impl Start {
     ///
     /// Thin shapes end best from a cone, letters from a roof (a letter F reached a total variation of 0.010 so, and 0.029
     /// from hills), photographs from hills. More hills of the same slopes are lower in proportion.
-    pub fn suitable(to_cut: bool, shallow: bool) -> &'static [Self] {
+    pub(crate) fn suitable(to_cut: bool, shallow: bool) -> &'static [Self] {
         match (to_cut, shallow) {
             (true, false) => &[Self::Hills(1), Self::Cone, Self::Roof],
             (false, false) => &[Self::Hills(1), Self::Hills(4), Self::Hills(2), Self::Cone, Self::Roof],

@@ -10,13 +10,19 @@ use rayon::prelude::*;
 use crate::progress::Progress;
 
 /// Part of a cutter's profile along one axis: steps aside from the tip, and minus the height of the underside there, mm.
-pub type Profile = [(isize, f32)];
+pub(crate) type Profile = [(isize, f32)];
 
 /// What a cutter leaves of the heights `z`, rows of `width` places: its path first, then the surface below it.
 ///
 /// `along_x` and `along_y` are the profile along rows and columns. Rows and columns continue into themselves.
 /// Abandoned, it returns at once what nobody should use.
-pub fn milled_heights(z: &[f32], width: usize, along_x: &Profile, along_y: &Profile, progress: &Progress) -> Vec<f32> {
+pub(crate) fn milled_heights(
+    z: &[f32],
+    width: usize,
+    along_x: &Profile,
+    along_y: &Profile,
+    progress: &Progress,
+) -> Vec<f32> {
     let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress);
     z = swept_across_rows(&z, width, along_y, Sweep::Path, progress);
     z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress);

@@ -53,7 +53,7 @@ pub struct Milled {
 
 impl Milled {
     /// The most that the machined surface lies above the written one, mm: 0 if the cutter can follow it everywhere.
-    pub fn most_left(&self) -> f64 {
+    pub(crate) fn most_left(&self) -> f64 {
         self.left.iter().fold(0.0, |most: f64, v| most.max(f64::from(*v)))
     }
 }
@@ -67,7 +67,7 @@ impl Tool {
 
     /// `cutter` over places so close together that the ridges between them, h²/8R high, are about 0.025 µm: as good as
     /// without steps. Each node of `relief` is a place, since that is where pits have their bottoms.
-    pub fn without_steps(relief: &PeriodicRelief, cutter: Cutter) -> Self {
+    pub(crate) fn without_steps(relief: &PeriodicRelief, cutter: Cutter) -> Self {
         let between_nodes = relief.step().max_element() / (8.0 * cutter.valley_radius() * RIDGE).sqrt();
         Self { cutter, places: relief.nodes * between_nodes.round().max(1.0) as usize }
     }
@@ -104,7 +104,7 @@ impl Tool {
     /// whether any node was raised.
     ///
     /// About one node in a thousand needs it; no relief met so far has come near the limit of a hundred rounds.
-    pub fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
+    pub(crate) fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
         for round in 0..ROUNDS {

@@ -36,7 +36,7 @@ fn spread(blur: &BlurKernel, picture: &Raster) -> DMat2 {
 }
 
 /// The image in blocks of pixels, as fine as its blur needs.
-pub struct Grid {
+pub(crate) struct Grid {
     /// Pixels along a side of a block.
     block: usize,
     /// Blocks across the grid, and down.
@@ -71,7 +71,7 @@ impl Grid {
     }
 
     /// `picture` in blocks, dark around it: rows of the grid, the picture in their first ones.
-    pub fn laid_out(&self, picture: &Raster) -> Vec<f64> {
+    pub(crate) fn laid_out(&self, picture: &Raster) -> Vec<f64> {
         let mut grid = vec![0.0; self.width * self.height];
         for (k, value) in picture.values.iter().enumerate() {
             grid[self.place(k, picture.width)] += value;
@@ -91,7 +91,7 @@ impl Grid {
     }
 
     /// Changes every pixel of `picture` as its block is changed from `old` to `new`; the sum stays.
-    pub fn carry_over(&self, picture: &mut Raster, old: &[f64], new: &[f64]) {
+    pub(crate) fn carry_over(&self, picture: &mut Raster, old: &[f64], new: &[f64]) {
         let (before, across) = (picture.sum(), picture.width);
         for (k, value) in picture.values.iter_mut().enumerate().filter(|(_, value)| **value > 0.0) {
             let at = self.place(k, across);

@@ -15,7 +15,7 @@ const STEEPNESS: [f64; 3] = [3.0, 1.0, 0.25];
 
 /// The bounds of each cell, one a steepness.
 #[derive(Clone, Debug)]
-pub struct EscapeBounds {
+pub(crate) struct EscapeBounds {
     bounds: Vec<[f32; STEEPNESS.len()]>,
 }
 

@@ -23,7 +23,7 @@ impl GridLines {
     }
 
     /// Number of intervals.
-    pub fn intervals(&self) -> usize {
+    pub(crate) fn intervals(&self) -> usize {
         self.at.len() - 1
     }
 
@@ -50,7 +50,7 @@ impl GridLines {
 
     /// The interval that holds `x`, a line belonging to the interval above it; the nearest for what lies outside.
     #[inline]
-    pub fn interval(&self, x: f64) -> usize {
+    pub(crate) fn interval(&self, x: f64) -> usize {
         // A cast takes what is negative or no number to 0.
         let guess = (((x - self.origin) * self.density) as usize).min(self.intervals() - 1);
         if self.at[guess] <= x && x < self.at[guess + 1] {

@@ -32,4 +32,12 @@ pub mod render;
 
 pub mod verdict;
 
+pub mod thrown;
+
+pub mod rim;
+
+pub mod wall_verdict;
+
+pub mod elsewhere;
+
 pub mod windows;

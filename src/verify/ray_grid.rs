@@ -16,7 +16,7 @@ const LEAST_CLIMB: f64 = 1e-6;
 
 /// Start points on a horizontal rectangle through which every ray that can meet the optical area passes.
 #[derive(Debug)]
-pub struct RayGrid<'a> {
+pub(crate) struct RayGrid<'a> {
     low: DVec2,
     size: DVec2,
     z: f64,

@@ -224,7 +224,7 @@ impl WallImage {
     }
 
     /// Area of a pixel, mm².
-    pub fn pixel_area(&self) -> f64 {
+    pub(crate) fn pixel_area(&self) -> f64 {
         (2.0 * self.half_width / self.measurement.whole.image.width as f64).powi(2)
     }
 

@@ -21,7 +21,7 @@ use crate::sharpen::{BlurKernel, seen};
 use crate::slope::{Slope, mirror};
 
 /// Windows of half a cell: one at a random place in each of 4 × 4 parts of the cell.
-pub const PLACES: usize = PARTS * PARTS;
+pub(crate) const PLACES: usize = PARTS * PARTS;
 const PARTS: usize = 4;
 
 /// Light in the wrong place over windows of one size: total variation as a share of all light that falls on the window,

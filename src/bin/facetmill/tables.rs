@@ -1,7 +1,7 @@
 //! The tables that a person sees, made from the reports.
 
 use facetmill::job::pictures::rays;
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
 use facetmill::report::scores::Scores;
@@ -77,6 +77,18 @@ fn plate(report: &DesignReport) -> Vec<Row> {
     if mount.theta > 0.0 {
         let meaning = format!("tilted so, its normal toward azimuth {:.1}°", mount.phi);
         table.push(row("mount", format!("{:.2}°", mount.theta), meaning));
+    }
+    if let Some(rim) = &report.rim {
+        let meaning = match rim.finish {
+            BorderFinish::Matt => "left dull, counted as dark".to_owned(),
+            BorderFinish::Polished | BorderFinish::Sloped(_) => {
+                let (slope, share) = (rim.slope_deg, rim.into_picture.map(percent));
+                let thrown = share.map(|share| format!(", throws {share} of the relief's light into the picture"));
+                let how = if slope > 0.0 { format!("falls outward by {slope:.2}°") } else { "polished".into() };
+                how + &thrown.unwrap_or_default()
+            }
+        };
+        table.push(row("rim", format!("{} mm", rim.width_mm), meaning));
     }
     if let Some(worth) = &report.blur.sharpening {
         let at = |figures: &facetmill::report::Named| figures.get(&SCORED_AT.to_string()).unwrap_or(f64::NAN);

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use facetmill::highlight::scored_target;
 use facetmill::job::exports;
 use facetmill::job::pictures::{ProofPictures, target_picture};
-use facetmill::job::proof::{MilledProof, Proof, send_over_milled_mesh};
+use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::MilledFacts;
 use facetmill::report::verify::{Allowed, VerifyReport};
 use facetmill::report::{PROGRAM, PictureFacts, text};
@@ -16,6 +16,7 @@ use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
+use facetmill::verify::rim::OverRim;
 use facetmill::verify::score::blurred_scores;
 use facetmill::verify::tally::Measurement;
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
@@ -74,6 +75,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         lobe_deg: recipe.plate.lobe,
         metal: recipe.metal(),
         margin_mm: margin,
+        margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
         measured: (&proof.verdict).into(),
         as_milled: proof
             .milled
@@ -168,13 +170,23 @@ fn proof(
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
+    let measurement = opened.plate.run(mirrored);
+    let over_rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored, width: margin, scene: None }));
+    let rim = over_rim.zip(measurement.as_ref()).map(|(light, measurement)| RimProof {
+        counts: plate.is_dir() && recipe.border_finish() != BorderFinish::Matt,
+        ..RimProof::dull(light, measurement)
+    });
     let judged = |measurement: Option<Measurement>| {
         let measurement = measurement.ok_or_else(no_light)?;
         progress.stage(Stage::Scoring);
+        let measurement = match &rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
         let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(no_light)?;
         Ok::<_, Failure>((measurement, verdict))
     };
-    let (measurement, verdict) = judged(opened.plate.run(mirrored))?;
+    let (measurement, verdict) = judged(measurement)?;
     let milled = match send_over_milled_mesh(recipe, &opened.mesh, margin, mirrored)? {
         None => None,
         Some((measurement, left)) => {
@@ -182,7 +194,7 @@ fn proof(
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet: None, milled })
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim })
 }
 
 /// What is allowed, beside what came of it.
@@ -233,6 +245,13 @@ fn advice(
     (picture, setup): (&Picture, &Setup),
 ) -> Vec<String> {
     let mut advice = opened.advice.clone();
+    let dark = proof.rim.as_ref().filter(|rim| !rim.counts && rim.into_picture.value > 0.002);
+    if let Some(rim) = dark {
+        advice.push(format!(
+            "The margin was counted as dark: polished it would throw {:.1}% as much light as the rest into the picture.",
+            100.0 * rim.into_picture.value
+        ));
+    }
     if proof.verdict.backface > 1e-4 {
         advice.push(format!(
             "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",

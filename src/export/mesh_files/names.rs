@@ -1,14 +1,14 @@
 //! What a file that should be a mesh is, by its first bytes.
 
 /// This many bytes are enough to tell.
-pub const ENOUGH: u64 = 1 << 16;
+pub(crate) const ENOUGH: u64 = 1 << 16;
 
 /// What is read, for messages.
-pub const READ: &str = if cfg!(feature = "meshes") { "STL, OBJ, PLY, 3MF and OFF" } else { "STL and OFF" };
+pub(crate) const READ: &str = if cfg!(feature = "meshes") { "STL, OBJ, PLY, 3MF and OFF" } else { "STL and OFF" };
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// STL, or nothing that is known: STL says what is wrong with it.
     Stl,
     /// Object File Format.
@@ -89,7 +89,7 @@ const TEXTS: [(&str, &str, &str); 14] = [
 ];
 
 /// What a file that begins so is.
-pub fn kind(head: &[u8]) -> Kind {
+pub(crate) fn kind(head: &[u8]) -> Kind {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
     let begins = |at: usize, mark: &[u8]| head.get(at..).is_some_and(|rest| rest.starts_with(mark));
     if begins(0, b"PK\x03\x04") {
@@ -162,7 +162,7 @@ fn of_text(text: &str) -> Kind {
 }
 
 /// A line that says nothing to a machine in any of the formats.
-pub fn is_comment(line: &str) -> bool {
+pub(crate) fn is_comment(line: &str) -> bool {
     let line = line.trim();
     line.is_empty() || line.starts_with(['#', ';', '!']) || line.starts_with("//")
 }

@@ -7,7 +7,7 @@ use tobj::{LoadOptions, load_obj_buf};
 use super::{MergedTriangles, MeshFileError};
 
 /// Reads a whole file.
-pub fn read(file: &mut impl Read) -> Result<MergedTriangles, MeshFileError> {
+pub(crate) fn read(file: &mut impl Read) -> Result<MergedTriangles, MeshFileError> {
     let options = LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..LoadOptions::default() };
     // Materials are of no interest, and what a file names is not opened.
     let none = |_: &std::path::Path| Ok(Default::default());

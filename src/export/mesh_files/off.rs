@@ -9,7 +9,7 @@ use super::{MergedTriangles, MeshFileError, add_polygon};
 const MOST_CORNERS: usize = 100_000;
 
 /// Reads a whole file.
-pub fn read(text: &str) -> Result<MergedTriangles, MeshFileError> {
+pub(crate) fn read(text: &str) -> Result<MergedTriangles, MeshFileError> {
     let damaged = |reason: String| MeshFileError::Damaged { format: "OFF", reason };
     let lines =
         text.trim_start_matches('\u{feff}').split(['\n', '\r']).map(|line| line.split('#').next().unwrap_or(""));

@@ -62,7 +62,7 @@ impl PropertyAccess for Face {
 }
 
 /// Reads a whole file of `length` bytes.
-pub fn read(file: &mut impl Read, length: u64) -> Result<MergedTriangles, MeshFileError> {
+pub(crate) fn read(file: &mut impl Read, length: u64) -> Result<MergedTriangles, MeshFileError> {
     let damaged = |reason: String| MeshFileError::Damaged { format: "PLY", reason };
     let words = |error: ply_rs_bw::parser::ParseError| {
         // The crate's words have several lines and quote the file.

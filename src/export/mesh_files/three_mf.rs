@@ -53,7 +53,7 @@ struct Model {
 }
 
 /// Reads a whole archive; also what is to be said of it.
-pub fn read(file: &mut (impl Read + Seek)) -> Result<(MergedTriangles, Vec<String>), MeshFileError> {
+pub(crate) fn read(file: &mut (impl Read + Seek)) -> Result<(MergedTriangles, Vec<String>), MeshFileError> {
     let mut archive = ZipArchive::new(file).map_err(damaged)?;
     let names: Vec<String> = archive.file_names().map(str::to_owned).collect();
     let Some(root) = root(&names) else {

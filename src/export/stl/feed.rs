@@ -8,14 +8,14 @@ use super::{HEADER_BYTES, PREAMBLE, StlError};
 const LONGEST_LINE: usize = 4096;
 
 /// A binary file whose length has been found to fit its count, under a header that nobody takes for text.
-pub struct Records<'a, R> {
+pub(crate) struct Records<'a, R> {
     preamble: Cursor<[u8; PREAMBLE]>,
     file: &'a mut R,
 }
 
 impl<'a, R> Records<'a, R> {
     /// `file` stands at its first triangle and holds `count` of them.
-    pub fn new(file: &'a mut R, count: u32) -> Self {
+    pub(crate) fn new(file: &'a mut R, count: u32) -> Self {
         let mut preamble = [0; PREAMBLE];
         // An end of line: the search for "solid" looks no farther.
         preamble[0] = b'\n';
@@ -43,7 +43,7 @@ impl<R: Seek> Seek for Records<'_, R> {
 }
 
 /// Whether a file that begins so may be a text STL: "solid" is the first word that is no comment, and all is text.
-pub fn is_text(head: &[u8]) -> bool {
+pub(crate) fn is_text(head: &[u8]) -> bool {
     let head = head.strip_prefix(MARK).unwrap_or(head);
     let mut lines = head.split(|byte| matches!(byte, b'\n' | b'\r')).filter(|line| !is_comment(line));
     let word = lines.next().unwrap_or_default().trim_ascii_start();
@@ -77,7 +77,7 @@ fn is_comment(line: &[u8]) -> bool {
 /// A text file as one solid in lower case with normals of zero, line by line; lines end as on any system.
 ///
 /// Comments, and what stands behind the last solid, are passed over and counted. A read never goes beyond a line, so that a parser that complains has just been given the line that is wrong.
-pub struct Lines<R> {
+pub(crate) struct Lines<R> {
     file: R,
     /// What the parser is given: the line at hand as rewritten, and how much of it has been read.
     line: Vec<u8>,
@@ -113,7 +113,7 @@ enum Stage {
 
 impl<R: BufRead + Seek> Lines<R> {
     /// To be rewound before the first line is read.
-    pub fn new(file: R) -> Self {
+    pub(crate) fn new(file: R) -> Self {
         let (line, given, number, stage) = (Vec::new(), 0, 0, Stage::Start);
         Self { file, line, given, number, stage, after_return: false, solids: 0, comments: 0, behind: 0, marked: false }
     }
@@ -205,7 +205,7 @@ impl<R: BufRead + Seek> Lines<R> {
     }
 
     /// What was passed over, as sentences.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let lines = |count: u64| if count == 1 { "line".to_owned() } else { "lines".to_owned() };
         let mut notes = Vec::new();
         if self.comments > 0 {
@@ -229,7 +229,7 @@ impl<R: BufRead + Seek> Lines<R> {
     }
 
     /// What `error` is about, which came up after `triangles` whole ones.
-    pub fn located(&self, error: StlError, triangles: usize) -> StlError {
+    pub(crate) fn located(&self, error: StlError, triangles: usize) -> StlError {
         let kind = match &error {
             StlError::Io(error) => error.kind(),
             _ => return error,

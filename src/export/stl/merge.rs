@@ -6,7 +6,7 @@ use super::StlError;
 use crate::relief::mesh::Mesh;
 
 /// Triangles whose vertices are merged by position.
-pub struct MergedTriangles {
+pub(crate) struct MergedTriangles {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     /// Open addressing: ids of vertices, or [`FREE`]. Less memory than a map that keeps the positions once more.
@@ -26,17 +26,17 @@ impl Default for MergedTriangles {
 
 impl MergedTriangles {
     /// Sets memory aside for `count` triangles.
-    pub fn reserve(&mut self, count: usize) {
+    pub(crate) fn reserve(&mut self, count: usize) {
         self.triangles.reserve_exact(count);
     }
 
     /// Number of triangles.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.triangles.len()
     }
 
     /// Adds a triangle; fails if a coordinate is not finite or there are too many vertices.
-    pub fn add(&mut self, corners: [[f32; 3]; 3]) -> Result<(), StlError> {
+    pub(crate) fn add(&mut self, corners: [[f32; 3]; 3]) -> Result<(), StlError> {
         if !corners.as_flattened().iter().all(|c| c.is_finite()) {
             return Err(StlError::NotFinite(self.triangles.len() + 1));
         }
@@ -49,7 +49,7 @@ impl MergedTriangles {
     }
 
     /// The least and greatest coordinates.
-    pub fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+    pub(crate) fn bounds(&self) -> ([f32; 3], [f32; 3]) {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for vertex in &self.vertices {
             for k in 0..3 {
@@ -60,7 +60,7 @@ impl MergedTriangles {
     }
 
     /// All of them as a mesh.
-    pub fn into_mesh(self) -> Mesh {
+    pub(crate) fn into_mesh(self) -> Mesh {
         Mesh { vertices: self.vertices, triangles: self.triangles }
     }
 

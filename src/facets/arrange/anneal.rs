@@ -113,7 +113,7 @@ const ACCEPTANCE: [f64; 2] = [0.3, 0.001];
 ///
 /// The 2009 energy does not see the slow drifts of slope that build walls in the end, so its runs differ; the one kept
 /// has the least wall area under heights by least squares.
-pub fn anneal_best(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &Progress<'_>) {
+pub(crate) fn anneal_best(grid: &mut SlopeGrid, settings: &Annealing, seed: u64, progress: &Progress<'_>) {
     let start = grid.clone();
     let walls = |grid: &SlopeGrid| {
         let heights = least_squares(grid, DVec2::ONE, true);

@@ -12,7 +12,7 @@ use crate::slope::Slope;
 /// 1/cells² as many distinct facets.
 ///
 /// `columns` and `rows` are multiples of `cells`.
-pub fn arrange_per_cell(
+pub(crate) fn arrange_per_cell(
     mut slopes: Vec<Slope>,
     columns: usize,
     rows: usize,

@@ -167,7 +167,7 @@ impl Recipe {
     }
 
     /// What would bring a sheet closer to the picture, of the settings that are given.
-    pub fn remedies(&self) -> impl Iterator<Item = &'static str> {
+    pub(crate) fn remedies(&self) -> impl Iterator<Item = &'static str> {
         let helps = SETTINGS.iter().rev().filter(|setting| !setting.remedy.is_empty());
         helps.filter(|setting| setting.written(self).is_some()).map(|setting| setting.remedy)
     }

@@ -215,9 +215,26 @@ pub static SETTINGS: &[Setting] = &[
         name: "border",
         key: "plate.border",
         ranges: &[[0.0, 1000.0]],
-        help: "Flat rim around the optical area, mm",
+        help: "Rim around the optical area, mm",
+        more: "It begins level with the relief's lowest point, so that it shades nothing. What becomes of its light, \
+               --border-finish says.",
         at: |recipe| &mut recipe.plate.border,
         ..LENGTH
+    },
+    Setting {
+        name: "border-finish",
+        key: "plate.border-finish",
+        section: Section::Plate,
+        form: Text("FINISH"),
+        ranges: &[[1.0, 60.0]],
+        unset: "matt",
+        help: "How the --border is finished: matt, polished, or sloped:DEG, falling outward by so many degrees",
+        more: "A flat rim that is polished with the rest is one large mirror: 3 mm around 30 mm throw 30 % of all light \
+               into the middle of the picture. matt: it stays flat and is to be left dull, and counts as dark. \
+               polished: its light counts. sloped: it is polished and throws its light past the picture; without \
+               degrees it falls by the least that does.",
+        at: |recipe| &mut recipe.plate.border_finish,
+        ..ANGLE
     },
     Setting {
         name: "surface",

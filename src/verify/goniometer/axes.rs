@@ -112,7 +112,7 @@ impl BrdfAxes {
     }
 
     /// The half vector at (u, v) under the light of a slice.
-    pub fn half_vector(&self, slice: usize, u: f64, v: f64) -> DVec3 {
+    pub(crate) fn half_vector(&self, slice: usize, u: f64, v: f64) -> DVec3 {
         let turn = if self.is_isotropic() { self.incident_angles(slice).1 } else { 0.0 };
         direction(FRAC_PI_2 * u * u, TAU * v - PI + turn)
     }
@@ -133,7 +133,7 @@ impl BrdfAxes {
     }
 
     /// As [`cell`](Self::cell), for light toward `wi`.
-    pub fn cell_under(&self, wi: DVec3, wo: DVec3) -> Option<usize> {
+    pub(crate) fn cell_under(&self, wi: DVec3, wo: DVec3) -> Option<usize> {
         // A viewer that is no direction is not above the plate either.
         if wo.z.is_nan() || wo.z <= 0.0 {
             return None;
@@ -186,7 +186,7 @@ impl BrdfAxes {
     }
 
     /// ∫ cosθo dωo over the part of a cell above the horizon: its flux under a BRDF of 1/sr. Zero if there is none.
-    pub fn projected(&self, slice: usize, cell: usize) -> f64 {
+    pub(crate) fn projected(&self, slice: usize, cell: usize) -> f64 {
         let mut sum = 0.0;
         self.quadrature(slice, cell, |_, weight| sum += weight);
         sum

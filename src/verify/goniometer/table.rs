@@ -81,7 +81,7 @@ impl BrdfTable {
     }
 
     /// [`BrdfAxes::projected`] of every cell of a slice.
-    pub fn slice_projected(&self, slice: usize) -> &[f32] {
+    pub(crate) fn slice_projected(&self, slice: usize) -> &[f32] {
         &self.projected[slice * self.axes.cells()..][..self.axes.cells()]
     }
 
@@ -91,12 +91,12 @@ impl BrdfTable {
     }
 
     /// Standard error of every cell of a slice, 1/sr.
-    pub fn slice_error(&self, slice: usize) -> &[f32] {
+    pub(crate) fn slice_error(&self, slice: usize) -> &[f32] {
         &self.error[slice * self.axes.cells()..][..self.axes.cells()]
     }
 
     /// Bilinear between cell centres of one slice, v around the circle; cells that hold nothing are left out.
-    pub fn within_slice(&self, slice: usize, u: f64, v: f64) -> Option<f64> {
+    pub(crate) fn within_slice(&self, slice: usize, u: f64, v: f64) -> Option<f64> {
         let (columns, rows) = (self.axes.columns, self.axes.rows);
         let x = (u * columns as f64 - 0.5).clamp(0.0, (columns - 1) as f64);
         let y = v * rows as f64 - 0.5;

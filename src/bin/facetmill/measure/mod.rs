@@ -12,7 +12,7 @@ use facetmill::job::exports;
 use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
 use facetmill::report::{PROGRAM, text};
 use facetmill::setup::Setup;
@@ -65,6 +65,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let read = inputs::given([Some(&args.plate), args.lamp.as_deref()])?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
+    // A rim that is left dull lights nothing.
+    let dull_rim = if recipe.border_finish() == BorderFinish::Matt { recipe.plate.border } else { 0.0 };
     let measuring = measuring(args, &recipe);
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
@@ -79,7 +81,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0), &args.placing)?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing)?;
     let (plate, endless) = extent(args, &opened)?;
     let bench = Bench {
         plate,
