@@ -1,6 +1,7 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
 use super::design::{Design, DesignError};
+use super::on_wall::{WallProof, prove_in_room};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -40,6 +41,8 @@ pub struct Proof {
     pub milled: Option<MilledProof>,
     /// Light of the rim, if there is one.
     pub rim: Option<RimProof>,
+    /// Light on the wall, in a scene that has one.
+    pub wall: Option<WallProof>,
 }
 
 /// Light of the rim around the optical area, as shares of the light on that area.
@@ -80,6 +83,9 @@ pub struct MilledProof {
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
+    if let Some(scene) = recipe.scene().ok().flatten() {
+        return prove_in_room(recipe, &scene, light, design, progress);
+    }
     progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
@@ -123,7 +129,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet, milled, rim })
+    Ok(Proof { target, measurement, verdict, sheet, milled, rim, wall: None })
 }
 
 impl RimProof {

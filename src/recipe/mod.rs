@@ -4,6 +4,8 @@ mod border_finish;
 
 mod sections;
 
+mod scene;
+
 mod derived;
 
 pub mod settings;
@@ -18,6 +20,7 @@ pub use crate::cutter::{Cutter, CutterError};
 pub use border_finish::{BorderFinish, BorderFinishError};
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
+pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{
     Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Seen, VerifySettings,
 };
@@ -36,6 +39,9 @@ pub struct Recipe {
     pub highlight: HighlightSettings,
     /// The lamp.
     pub light: LightSettings,
+    /// Lamp and wall nearby, if they are.
+    #[serde(skip_serializing_if = "is_far")]
+    pub scene: SceneSettings,
     /// The plate.
     pub plate: PlateSettings,
     /// How slopes are found, drawn, ordered and raised.
@@ -68,6 +74,10 @@ impl Recipe {
     pub fn from_toml(text: &str) -> Result<Self, RecipeError> {
         toml::from_str(text).map_err(|error| RecipeError::Unreadable(error.message().to_owned(), line_of(text, &error)))
     }
+}
+
+fn is_far(scene: &SceneSettings) -> bool {
+    *scene == SceneSettings::default()
 }
 
 fn line_of(text: &str, error: &toml::de::Error) -> usize {

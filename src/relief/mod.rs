@@ -8,6 +8,8 @@ pub mod height_grid;
 
 pub mod periodic;
 
+pub mod open;
+
 pub mod mesh;
 
 pub mod recognise;

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::design::MilledFacts;
+use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{MeshFacts, PictureFacts};
 use crate::brdf::material::Material;
@@ -31,6 +32,9 @@ pub struct VerifyReport {
     /// other figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin_into_picture_if_polished: Option<f64>,
+    /// Light on the wall, if lamp or wall are near.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<OnWallFacts>,
     /// The figures.
     pub measured: Scores,
     /// The same of the plate as its recipe's cutter leaves it, if it has one.

@@ -26,6 +26,8 @@ const LARGEST: f64 = 1e7;
 /// A plate that was read, and what is to be said of its file.
 pub struct Opened {
     pub plate: TracedPlate,
+    /// Its optical area alone, if that stands on a grid and the margin shades nothing.
+    pub bare: Option<TracedPlate>,
     /// The box around it, mm.
     pub size: DVec3,
     pub triangles: usize,
@@ -89,7 +91,8 @@ pub fn open(path: &Path, margin: f64, placing: &PlacingArgs) -> Result<Opened, F
         relief_height_mm: heights.1 - heights.0,
         traced_as: plate.kind(),
     };
-    Ok(Opened { plate, size, triangles: mesh.triangles.len(), advice, facts, mesh })
+    let bare = if margin > 0.0 { TracedPlate::without_rim(&mesh, margin) } else { None };
+    Ok(Opened { plate, bare, size, triangles: mesh.triangles.len(), advice, facts, mesh })
 }
 
 /// The mesh of a file in mm, its relief toward +z and its faces outward as far as was said; and what is to be said of it.

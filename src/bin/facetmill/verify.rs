@@ -4,14 +4,17 @@ use std::path::{Path, PathBuf};
 
 use facetmill::highlight::scored_target;
 use facetmill::job::exports;
+use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress, Stage};
+use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::MilledFacts;
 use facetmill::report::verify::{Allowed, VerifyReport};
 use facetmill::report::{PROGRAM, PictureFacts, text};
+use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
@@ -43,11 +46,19 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
     recipe.picture = Some(path.to_string_lossy().into_owned());
-    recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    let setup = match (args.mount, mount) {
-        (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
-        (mount, _) => mounted(recipe.setup(), mount)?,
-    };
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let mut recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -64,7 +75,12 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let margin = args.margin.unwrap_or(border);
     let opened = plates::open(&stl, margin, &args.placing)?;
     let picture = picture::read(&path, &recipe.reading())?;
-    let proof = proof(&args.plate, &recipe, &opened, (&picture, &setup, margin), &progress)?;
+    recipe.note_drawing(picture.original_size);
+    let setup = match (args.mount, mount) {
+        (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
+        (mount, _) => mounted(recipe.setup(), mount)?,
+    };
+    let proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
     progress.stage(Stage::Files);
     let report = VerifyReport {
         program: PROGRAM,
@@ -76,6 +92,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         metal: recipe.metal(),
         margin_mm: margin,
         margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
+        on_wall: proof.wall.as_ref().map(|wall| wall.facts(&recipe)),
         measured: (&proof.verdict).into(),
         as_milled: proof
             .milled
@@ -135,6 +152,28 @@ fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
     })
 }
 
+/// The proof of a plate in its room.
+fn in_room(
+    recipe: &mut Recipe,
+    scene: &Scene,
+    opened: &Opened,
+    light: &Raster,
+    margin: f64,
+    mirrored: Mirrored,
+) -> Result<Proof, Failure> {
+    recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();
+    let room = RoomProof { recipe, light, scene, mirrored };
+    let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
+    let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
+    let rim = thrown.as_ref().filter(|_| margin > 0.0).map(|thrown| {
+        let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) });
+        rim_proof(light, thrown, BorderFinish::Matt)
+    });
+    let (measurement, verdict, designed) = room.judged(thrown, None)?;
+    let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
+    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall })
+}
+
 /// The setup with the plate mounted at the angles that were given, degrees.
 fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
     let Some([theta, phi]) = mount else { return Ok(setup) };
@@ -154,7 +193,7 @@ fn lit(setup: Setup) -> Result<Setup, Failure> {
 /// Light over the plate as it stands in its file, and as the recipe's cutter leaves it.
 fn proof(
     plate: &Path,
-    recipe: &Recipe,
+    recipe: &mut Recipe,
     opened: &Opened,
     (picture, setup, margin): (&Picture, &Setup, f64),
     progress: &Progress,
@@ -169,6 +208,13 @@ fn proof(
     };
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    if let Some(scene) = recipe.scene().ok().flatten() {
+        if !plate.is_dir() {
+            // Nobody knows of a file where its cells end.
+            recipe.plate.cells = Some(1);
+        }
+        return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
+    }
     let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
     let measurement = opened.plate.run(mirrored);
     let over_rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored, width: margin, scene: None }));
@@ -194,7 +240,7 @@ fn proof(
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim })
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall: None })
 }
 
 /// What is allowed, beside what came of it.
