@@ -149,6 +149,13 @@ impl Scene {
         1.0 / (1.0 / self.lamp_distance() + 1.0 / self.wall_distance())
     }
 
+    /// From the picture's middle to where the flat plate's middle throws the lamp, mm on the wall; `None` without a wall or
+    /// if that light passes it.
+    pub fn mirror_miss(&self) -> Option<f64> {
+        let uv = self.thrown(DVec3::ZERO, Slope::FLAT)?;
+        self.wall().map(|wall| wall.half * uv.length())
+    }
+
     /// The lamp as it is from `place`: unit vector to its middle, irradiance across the beam, extent.
     pub fn light(&self, place: DVec3) -> LocalLight<'_> {
         self.lamp.at(place)

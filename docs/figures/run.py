@@ -68,6 +68,7 @@ def weyrich2009():
     for name, flags in [
         ("random order, Poisson heights", "--method weyrich2009 --arrange random"),
         ("--method weyrich2009", "--method weyrich2009"),
+        ("--arrange anneal --level", "--arrange anneal --level"),
         ("--arrange transport", "--arrange transport"),
     ]:
         said = report("spiral", f"--half-field 45 --facets 30x30 {flags}")
@@ -76,7 +77,7 @@ def weyrich2009():
             f"{name:30}",
             f"A_v {plate['wall_area_ratio']:.4f}",
             f"V {plate['valleys']}",
-            f"RMS step {plate['step_rms_pitch']:.3f} pitch",
+            f"RMS step {plate['step_rms_pitch']:.4f} pitch",
             f"bounced twice {100 * said['designed']['multi_bounce']:.2f} %",
             f"{seconds(said):.2f} CPU s",
         )

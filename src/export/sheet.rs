@@ -4,7 +4,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::relief::mesh::Mesh;
-use crate::relief::periodic::PeriodicRelief;
+use crate::relief::open::NodeGrid;
 use crate::relief::rim::Rim;
 
 /// Least number of single-precision steps between nodes: rounded by half a step each, they stay in order and their
@@ -24,12 +24,12 @@ const WORST_SLOPE: f64 = 1e-4;
 /// # Errors
 /// When the plate is too large for its details in single precision, the thickness is not positive, a height is not
 /// finite, or the body outgrows the 32-bit counts of an STL file.
-pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: impl Into<Rim>) -> Result<Mesh, SheetError> {
+pub fn sheet_solid(relief: &impl NodeGrid, thickness: f64, rim: impl Into<Rim>) -> Result<Mesh, SheetError> {
     let rim = rim.into();
     let [nx, ny] = relief.plate_nodes();
     let (low, high) = relief.height_range();
     let base = low - rim.depth() - thickness;
-    if !(relief.heights.iter().all(|z| z.is_finite()) && low.is_finite() && high.is_finite()) {
+    if !((0..nx * ny).all(|k| relief.node(k % nx, k / nx).z.is_finite()) && low.is_finite() && high.is_finite()) {
         return Err(SheetError::NotFinite);
     }
     if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
@@ -189,6 +189,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
+    use crate::relief::periodic::PeriodicRelief;
     use crate::relief::recognise::{Recognised, recognise};
     use crate::slope::Slope;
 

@@ -2,6 +2,7 @@
 
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::on_wall::WallProof;
 use super::proof::RimProof;
 use super::sentences::{WORTH_TELLING, finer_than_the_blur, stray_sentence};
 use crate::distribution::SlopeDistribution;
@@ -138,6 +139,17 @@ pub(super) fn about_rim(recipe: &Recipe, rim: &RimProof) -> Option<String> {
         )),
         BorderFinish::Matt | BorderFinish::Sloped(_) => None,
     }
+}
+
+/// That the lamp stands in the way of the picture's light.
+pub(super) fn lamp_in_the_beam(wall: &WallProof) -> Option<String> {
+    (wall.stopped_by_lamp > 0.001).then(|| {
+        format!(
+            "The lamp stands between plate and picture: one of 30 mm across, or as large as it is, stops {} of the light, a \
+             hand there more; a lamp aslant (--light 30,90) stands beside the beam.",
+            percent(wall.stopped_by_lamp)
+        )
+    })
 }
 
 /// That flat facets are better than a sheet, and what follows.

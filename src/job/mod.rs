@@ -9,9 +9,12 @@
 
 pub mod clock;
 
+pub mod near;
 mod sentences;
 
 pub mod design;
+
+pub mod on_wall;
 
 pub mod proof;
 

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{about_rim, advice, facets_are_better, mean_slope_costs};
+use super::advice::{about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::lighter::{Lighter, lighter};
+use super::near::NearDesign;
 use super::product::Product;
 use super::proof::{MilledProof, Proof, SheetProof};
 use super::sentences::in_a_sentence;
@@ -20,6 +21,9 @@ use crate::sculpt::detail::Detail;
 use crate::sculpt::stages::Sheet;
 use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::windows::Misplaced;
+
+/// Blur by the plate's own size up to which the figures of a far design hold, radians.
+const MOST_BLUR: f64 = 0.005;
 
 impl Product {
     /// Everything that is known of it, which was made for `picture`, as `report.json` holds it.
@@ -36,6 +40,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     let milled = proof.as_ref().and_then(|proof| proof.milled.as_ref());
     let mut said = advice(recipe, design, verdict);
     said.extend(proof.as_ref().and_then(|proof| about_rim(recipe, proof.rim.as_ref()?)));
+    said.extend(proof.as_ref().and_then(|proof| lamp_in_the_beam(proof.wall.as_ref()?)));
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
     DesignReport {
         program: PROGRAM,
@@ -53,6 +58,8 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
             sharpening: design.sharpening.map(sharpening),
         },
         design: plate(recipe, design, comparison.as_ref()),
+        holds_beyond: (!recipe.is_near()).then(|| holds_beyond(recipe)),
+        on_wall: proof.as_ref().and_then(|proof| proof.wall.as_ref()).map(|wall| wall.facts(recipe)),
         rim: product.about_rim().map(|for_the_shop| rim(product, for_the_shop)),
         stl: stl(product),
         designed: verdict.map(Into::into),
@@ -105,6 +112,23 @@ fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>)
         inner_valleys: steps.map(|s| s.inner_valleys),
         seconds: Named::from_iter(design.seconds.iter().copied().chain([total])),
         continuous: sheet.as_ref().map(|sheet| continuous(recipe, design, sheet)),
+        near: design.near.as_ref().map(near),
+    }
+}
+
+/// What is said of lamp and wall nearby.
+fn near(near: &NearDesign) -> NearFacts {
+    let scene = near.field.scene();
+    let finite = |mm: f64| Some(mm).filter(|mm| mm.is_finite());
+    NearFacts {
+        method: near.why.clone(),
+        lamp_distance_mm: finite(scene.lamp_distance()),
+        wall_distance_mm: finite(scene.wall_distance()),
+        focus_mm: scene.focal_length(),
+        sag_mm: near.field.sag(),
+        mirror_miss_mm: scene.mirror_miss(),
+        miss_deg: near.miss,
+        misplaced_by_stage: near.sheet.as_ref().map(|sheet| sheet.misplaced.clone()).unwrap_or_default(),
     }
 }
 
@@ -127,6 +151,13 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
         depth_mm: relief.depth(),
         stopped_early: sheet.stopped_early().map(|[steps_done, steps]| StoppedEarly { steps_done, steps }),
     }
+}
+
+/// A plate S wide that knows neither lamp nor wall is blurred by S (1/a + 1/b): by 0.005 rad, the blur of a third of a
+/// degree at which a picture of 40° begins to suffer, where both are 400 S away, or the wall 200 S under the sun.
+fn holds_beyond(recipe: &Recipe) -> HoldsBeyond {
+    let side = recipe.plate.size[0].max(recipe.plate.size[1]);
+    HoldsBeyond { lamp_and_wall_mm: 2.0 * side / MOST_BLUR, wall_under_sun_mm: side / MOST_BLUR }
 }
 
 fn rim(product: &Product, for_the_shop: String) -> RimFacts {

@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
-use super::{BorderFinish, Recipe, SurfaceKind};
+use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::least_diameter;
 
@@ -15,6 +15,7 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        self.check_scene()?;
         self.check_kind()?;
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
@@ -97,6 +98,9 @@ pub enum RecipeError {
         /// Most possible.
         high: f64,
     },
+    /// Lamp and wall nearby that make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
     /// A setting of one kind of relief beside one of the other.
     #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
     OtherKind {
@@ -215,7 +219,11 @@ fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder)
+        match self {
+            Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::Scene(fault) => fault.is_impossible(),
+            _ => true,
+        }
     }
 }
 

@@ -94,6 +94,11 @@ impl Recipe {
         Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
     }
 
+    /// From the eye to a wall nearby, mm: as asked, or 3 m.
+    pub fn eye_distance(&self) -> f64 {
+        self.verify.eye_distance.unwrap_or(3000.0)
+    }
+
     /// How the rim is finished: as asked, or left dull.
     pub fn border_finish(&self) -> BorderFinish {
         self.plate.border_finish.unwrap_or_default()
@@ -113,8 +118,12 @@ impl Recipe {
         }
     }
 
-    /// Light, image and a plate lying flat.
+    /// Light, image and a plate lying flat; of lamp and wall nearby what the plate's middle sees of them.
     pub fn setup(&self) -> Setup {
+        let near = self.scene().ok().flatten();
+        if let Some(setup) = near.as_ref().and_then(Setup::from_middle) {
+            return setup;
+        }
         let LightSettings { theta, phi, radius } = self.light;
         let HighlightSettings { projection, half_field, .. } = self.highlight;
         let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);

@@ -6,6 +6,8 @@ mod cells;
 
 mod sections;
 
+mod scene;
+
 mod derived;
 
 pub mod settings;
@@ -23,6 +25,7 @@ pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
+pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{
     Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Seen, VerifySettings,
 };
@@ -44,6 +47,9 @@ pub struct Recipe {
     pub highlight: HighlightSettings,
     /// The lamp.
     pub light: LightSettings,
+    /// Lamp and wall nearby, if they are.
+    #[serde(skip_serializing_if = "is_far")]
+    pub scene: SceneSettings,
     /// The plate.
     pub plate: PlateSettings,
     /// How slopes are found, drawn, ordered and raised.
@@ -65,4 +71,8 @@ impl Recipe {
         recipe.design.distribution = SlopeDistributionSettings { slope_cap: 65.0, level: true };
         recipe
     }
+}
+
+fn is_far(scene: &SceneSettings) -> bool {
+    *scene == SceneSettings::default()
 }

@@ -195,16 +195,19 @@ impl Heights {
 }
 
 /// How the plate is proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct VerifySettings {
     /// Rays sent.
     pub rays: u64,
+    /// From the eye to the wall, mm; without it 3 m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eye_distance: Option<f64>,
 }
 
 impl Default for VerifySettings {
     fn default() -> Self {
-        Self { rays: 2_000_000 }
+        Self { rays: 2_000_000, eye_distance: None }
     }
 }
 

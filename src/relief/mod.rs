@@ -8,6 +8,12 @@ pub mod height_grid;
 
 pub mod periodic;
 
+pub mod open;
+
 pub mod mesh;
 
 pub mod recognise;
+
+pub mod placement;
+
+pub mod repeats;

@@ -22,6 +22,8 @@ pub mod goniometer;
 
 pub mod microgeometry;
 
+pub mod thrown;
+
 pub mod wall;
 
 pub mod camera;
@@ -31,8 +33,6 @@ mod path_tracer;
 pub mod render;
 
 pub mod verdict;
-
-pub mod thrown;
 
 pub mod rim;
 

@@ -18,7 +18,6 @@ use super::first_bounce::scattered;
 use super::follow::{Collection, follow_all};
 use super::tally::{Measurement, PARTS, Tally};
 use crate::brdf::material::Material;
-use crate::lamp::Lamp;
 use crate::progress::Progress;
 use crate::projection::View;
 use crate::raster::Raster;
@@ -107,19 +106,11 @@ impl<'a> Frame<'a> {
         end.fate = if met { Fate::Up } else { Fate::Down };
         pixel
     }
-
-    /// The scene's lamp in the surface's frame.
-    fn lamp(&self) -> Lamp {
-        match self.scene.lamp().clone() {
-            Lamp::Ball { middle, radius } => Lamp::Ball { middle: middle + self.origin, radius },
-            distant => distant,
-        }
-    }
 }
 
 /// The middle of the optical area at its mean height, mm: the origin of a scene. Of what cannot list its pieces halfway
 /// between lowest and highest.
-pub(super) fn plate_origin<S: Surface>(surface: &S) -> DVec3 {
+pub fn plate_origin<S: Surface>(surface: &S) -> DVec3 {
     let mut sum = (0.0, 0.0);
     for k in 0..surface.facets() {
         if let Some((_, footprint)) = surface.facet(k).filter(|(_, footprint)| *footprint > 0.0) {
@@ -225,7 +216,8 @@ impl Throwing<'_> {
     ) -> Option<Vec<Tally>> {
         let setup = Setup::from_middle(frame.scene)?;
         let material = self.metal.clone();
-        let experiment = Experiment { surface, setup: &setup, material, lamp: frame.lamp() };
+        let experiment =
+            Experiment { material, ..Experiment::new(surface, &setup) }.in_scene(frame.scene, frame.origin);
         let landing = || |end: &mut End| frame.land(end);
         let collection = Collection { size: (WHOLE, WHOLE), wanted, landing };
         let parts = follow_all(&experiment, self.measuring, &collection, self.progress);
@@ -241,6 +233,7 @@ impl Throwing<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lamp::Lamp;
     use crate::relief::faceted::{Facet, FacetedRelief};
     use crate::relief::height_grid::HeightGrid;
     use crate::slope::Slope;

@@ -6,6 +6,7 @@ use facetmill::job::pictures::rays;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
+use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{MeshFacts, Named};
@@ -76,8 +77,8 @@ fn light(scores: &Scores) -> Row {
     told("light", format!("{} at a blur of {main}°; {} at {sharp}°", pair(&main), pair(&sharp)))
 }
 
-/// A mesh that was scored against a picture, in five lines.
-pub fn verify_in_short(folder: &Path, report: &VerifyReport) -> Vec<Row> {
+/// A mesh that was scored against a picture, in a few lines; `folder` holds the pictures, if they are wanted.
+pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row> {
     let MeshFacts { size_mm: [width, height, _], relief_height_mm, triangles, .. } = report.plate;
     let scores = &report.measured;
     let lost = format!(
@@ -86,11 +87,17 @@ pub fn verify_in_short(folder: &Path, report: &VerifyReport) -> Vec<Row> {
         percent(scores.multi_bounce),
         percent(scores.outside_image)
     );
+    let scored = report.as_milled.as_ref().map_or(scores, |milled| &milled.scores);
+    let picture = if report.as_milled.is_some() { "comparison_milled.png" } else { "comparison.png" };
+    let look = match folder {
+        Some(folder) => format!("at {} first; --verbose tells more", shown(&folder.join(picture))),
+        None => "with -o DIR there are pictures; --verbose tells more".into(),
+    };
     vec![
         told("plate", format!("{width:.2} × {height:.2} mm of {triangles} triangles, relief {relief_height_mm:.3} mm")),
-        light(scores),
+        light(scored),
         told("lost", lost),
-        told("look", format!("at {} first; --verbose tells more", shown(&folder.join("comparison.png")))),
+        told("look", look),
     ]
 }
 
@@ -115,6 +122,14 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         let meaning = "of the light comes from patches that diffract it by more than 1°";
         table.push(row("small mirrors", percent(diffraction.share_beyond_1deg), meaning));
     }
+    if let Some(holds) = &report.holds_beyond {
+        let meaning = format!(
+            "lamp and wall each; under the sun the wall {:.0} m; for nearer ones give --lamp-distance and --wall",
+            1e-3 * holds.wall_under_sun_mm
+        );
+        table.push(row("holds beyond", format!("{:.0} m", 1e-3 * holds.lamp_and_wall_mm), meaning));
+    }
+    table.extend(report.on_wall.iter().flat_map(on_wall));
     if let Some(milled) = &report.as_milled {
         let left = format!("{:.2} µm", milled.left_by_cutter_um);
         table.push(row("left by cutter", left, "at the most, above the written surface"));
@@ -130,6 +145,12 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         };
         let how = if beside.as_milled { ", milled alike" } else { "" };
         table.push(row(other, percent(misplaced), format!("misplaced by {what} instead{how}")));
+    }
+    if let Some(near) = &report.design.near {
+        let focus = format!("{:.0} mm", near.focus_mm);
+        table.push(row("focal length", focus, "of the bowl: 1/f = 1/lamp + 1/wall"));
+        let method = near.method.split(':').next().unwrap_or_default();
+        table.push(row("lamp and wall", method, near.method.split_once(": ").map_or("", |(_, why)| why)));
     }
     if let Some(stopped) = report.design.continuous.as_ref().and_then(|sheet| sheet.stopped_early) {
         let steps = format!("{} of {}", stopped.steps_done, stopped.steps);
@@ -212,6 +233,56 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
     table
 }
 
+/// A plate in its room.
+fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
+    let metres = |mm: f64| format!("{:.2} m", 1e-3 * mm);
+    let figure = |scores: &WallScores, name: &str| scores.tv_incident.get(name).unwrap_or(f64::NAN);
+    let likeness = |scores: &WallScores| scores.ssim.get("eye").unwrap_or(f64::NAN);
+    let mut table = vec![
+        row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
+        row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
+        row("focal length", format!("{:.0} mm", facts.focus_mm), format!("a bowl {:.3} mm deep", facts.sag_mm)),
+    ];
+    let mut scores = |name: &str, scores: &WallScores| {
+        let eye = percent(figure(scores, "eye"));
+        let meaning = format!(
+            "misplaced on the wall at a blur of 0.5°; {eye} to an eye {} away, likeness {:.3}",
+            metres(facts.eye_distance_mm),
+            likeness(scores)
+        );
+        table.push(row(name, percent(figure(scores, "0.5deg")), meaning));
+    };
+    scores("on the wall", &facts.designed);
+    facts.as_milled.iter().for_each(|milled| scores("  as milled", milled));
+    table.push(row("grain", percent(facts.designed.grain), "of the drawing's light, seen by that eye and not at 0.5°"));
+    if let (Some([nearest, farthest]), Some(limit)) = (facts.in_focus_mm, facts.in_focus_tv) {
+        let ends = match (nearest.map(metres), farthest.map(metres)) {
+            (Some(near), Some(far)) => format!("{near} to {far}"),
+            (Some(near), None) => format!("{near} or more"),
+            (None, Some(far)) => format!("up to {far}"),
+            (None, None) => "anywhere".into(),
+        };
+        let meaning = format!("where the wall may stand, the lamp as it is: up to {} misplaced", percent(limit));
+        table.push(row("in focus", ends, meaning));
+    }
+    if let Some(sun) = &facts.under_sun {
+        let meaning = format!("the wall that is sharp under the sun; {} misplaced there", percent(sun.tv));
+        table.push(row("under the sun", metres(sun.wall_mm), meaning));
+    }
+    if let Some(cells) = &facts.cells_tv {
+        let meaning = format!("misplaced by the worst cell alone, {} on average", percent(cells.mean));
+        table.push(row("one cell", percent(cells.largest), meaning));
+    }
+    if let Some(miss) = facts.mirror_miss_mm.filter(|miss| *miss > 1.0) {
+        table.push(row(
+            "mirror point",
+            format!("{miss:.0} mm"),
+            "beside the picture's middle: tilt the plate to spare relief",
+        ));
+    }
+    table
+}
+
 /// A mesh that was scored against a picture.
 pub fn verify(report: &VerifyReport) -> Vec<Row> {
     let plate = &report.plate;
@@ -222,6 +293,16 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         row("relief", relief, "from its lowest to its highest point"),
     ];
     table.extend(scores(&report.measured));
+    table.extend(report.on_wall.iter().flat_map(on_wall));
+    if let Some(milled) = &report.as_milled {
+        let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
+        table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
+    }
+    if let Some(allowed) = &report.at_most {
+        let kept = if allowed.kept { "kept" } else { "not kept" };
+        let limit = format!("at most {} at a blur of {}°: {kept}", percent(allowed.share), allowed.blur_deg);
+        table.push(row("allowed", percent(allowed.tv_incident), limit));
+    }
     table
 }
 

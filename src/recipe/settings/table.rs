@@ -17,7 +17,7 @@ const fn renamed(word: &'static str, before: &'static str, help: &'static str) -
     Word { word, before: Some(before), help }
 }
 
-const PLAIN: Setting = Setting {
+pub(super) const PLAIN: Setting = Setting {
     name: "",
     before: None,
     key: "",
@@ -39,8 +39,8 @@ const DESIGN: Setting = Setting { section: Section::Design, ..PLAIN };
 const SHEET: Setting = Setting { only: Some(SurfaceKind::Sheet), section: Section::Design, ..LENGTH };
 const FACETS: Setting = Setting { only: Some(SurfaceKind::Facets), ..DESIGN };
 
-/// Every setting but the picture itself.
-pub static SETTINGS: &[Setting] = &[
+/// Settings of highlight, plate, design and proof.
+pub(super) const GENERAL: &[Setting] = &[
     Setting {
         name: "half-field",
         key: "highlight.half-field",
@@ -412,5 +412,16 @@ pub static SETTINGS: &[Setting] = &[
         help: "Rays sent over the plate",
         at: |recipe| &mut recipe.verify.rays,
         ..COUNT
+    },
+    Setting {
+        name: "eye-distance",
+        key: "verify.eye-distance",
+        section: Section::Running,
+        ranges: &[[100.0, 1e6]],
+        unset: "3000",
+        help: "From the eye to a wall nearby, mm: how finely its picture is looked at",
+        more: "An eye resolves 2.3 minutes of arc: 2 mm from 3 m.",
+        at: |recipe| &mut recipe.verify.eye_distance,
+        ..LENGTH
     },
 ];

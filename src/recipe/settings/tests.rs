@@ -33,6 +33,7 @@ fn other(setting: &Setting) -> String {
         Form::Text("CUTTER") => format!("ball:{high}"),
         Form::Text("WxH") | Form::Text("NxM") => format!("{high}x{high}"),
         Form::Text("THETA,PHI") => "1,2".into(),
+        Form::Text("X,Y,Z") => "1,2,300".into(),
         Form::Text(_) => high.to_string(),
         Form::Table => unreachable!(),
     }

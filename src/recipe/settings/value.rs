@@ -13,8 +13,9 @@ use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
 use crate::picture::{Encoding, PictureFit};
 use crate::projection::Projection;
+use crate::scene::room::Room;
 
-use super::super::{Arrangement, BorderFinish, Cells, Heights, LightSettings, Seen, SurfaceKind};
+use super::super::{Arrangement, BorderFinish, Cells, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
 
 /// A number with or without a fraction.
 pub fn number(text: &str) -> Result<f64, String> {
@@ -208,20 +209,44 @@ impl Value for Option<BorderFinish> {
     }
 }
 
-/// A table that no flag gives.
-impl Value for Option<Annealing> {
-    fn read(&mut self, _: &str) -> Result<(), String> {
-        Err("this can only be given in a recipe".into())
+/// A place, three numbers with commas between them.
+impl Value for [f64; 3] {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+        let three = "write three numbers with ',' between them, such as 0,350,350";
+        numbers.try_into().map(|place| *self = place).map_err(|_| three.into())
     }
 
     fn written(&self) -> Option<String> {
-        self.map(|_| "as the recipe says".into())
+        let [x, y, z] = self;
+        Some(format!("{x},{y},{z}"))
     }
 
-    fn clear(&mut self) {
-        *self = None;
+    fn numbers(&self) -> Vec<f64> {
+        self.to_vec()
     }
 }
+
+/// Tables that no flag gives.
+macro_rules! tables {
+    ($($library:ty),+ $(,)?) => {$(
+        impl Value for Option<$library> {
+            fn read(&mut self, _: &str) -> Result<(), String> {
+                Err("this can only be given in a recipe".into())
+            }
+
+            fn written(&self) -> Option<String> {
+                self.map(|_| "as the recipe says".into())
+            }
+
+            fn clear(&mut self) {
+                *self = None;
+            }
+        }
+    )+};
+}
+
+tables!(Annealing, Room);
 
 /// Words, spelled as in a recipe.
 macro_rules! words {
@@ -259,7 +284,7 @@ macro_rules! optional_words {
     )+};
 }
 
-optional_words!(Heights, SurfaceKind);
+optional_words!(Heights, NearMethod, SurfaceKind);
 
 fn read_word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(text.into_deserializer()).map_err(|error: Error| error.to_string())

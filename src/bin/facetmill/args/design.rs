@@ -7,11 +7,12 @@ use facetmill::recipe::{Recipe, SurfaceKind};
 
 use super::RunningArgs;
 use super::settings::{ByDesign, SettingFlags};
+use crate::console::Failure;
 use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
 pub struct DesignArgs {
-    /// The highlight: PNG, JPEG, TIFF or WebP, bright where light shall be
+    /// The highlight, bright where light shall be: PNG, JPEG, TIFF, WebP, SVG, GIF, BMP, PGM, HDR, EXR; - for a pipe
     #[arg(required_unless_present = "recipe")]
     pub picture: Option<PathBuf>,
     /// Folder for the results; made if it does not exist
@@ -29,6 +30,14 @@ pub struct DesignArgs {
     /// A picture that the recipe names is looked for beside the recipe, then in the folder you are in.
     #[arg(long, value_name = "FILE", help_heading = "Design")]
     pub recipe: Option<PathBuf>,
+
+    /// Plate, lamp or sun, wall and picture in the room's own coordinates, mm, from this TOML file
+    ///
+    /// Axes are right-handed, z up. [plate] at, facing, top; [lamp] at and radius in mm, or sun = [degrees from z, from
+    /// x] and radius in degrees; [wall] through, facing; [picture] centre, width, up. Without a centre the picture is
+    /// where a flat plate would throw the lamp's light. The drawing is upright and right way round on the wall.
+    #[arg(long, value_name = "FILE", help_heading = "Lamp and wall nearby", conflicts_with_all = ["light", "light-radius", "half-field"])]
+    pub scene: Option<PathBuf>,
 
     #[command(flatten)]
     pub running: RunningArgs,
@@ -58,6 +67,11 @@ impl DesignArgs {
             recipe.name_picture(picture);
         }
         self.settings.apply(recipe);
+    }
+
+    /// `recipe` with what its scene implies, unless a flag contradicts that.
+    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
+        self.settings.implied(recipe)
     }
 
     /// The kind of relief, if the flag was given.

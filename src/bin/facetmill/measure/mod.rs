@@ -15,6 +15,7 @@ use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
 use facetmill::report::{PROGRAM, text};
+use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
@@ -39,6 +40,8 @@ struct Bench {
     endless: bool,
     recipe: Recipe,
     setup: Setup,
+    /// Lamp and wall of the design, if they are near and nothing else is asked for.
+    scene: Option<Scene>,
     material: Material,
     /// The material, as a caption says it.
     made_of: String,
@@ -87,9 +90,12 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim))?;
-    let (plate, endless) = extent(args, &opened)?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing)?;
+    let (plate, endless) = extent(args, &recipe, &opened)?;
+    let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
+    let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
     let bench = Bench {
+        scene,
         plate,
         endless,
         name: plates::name(&args.plate),
@@ -137,7 +143,7 @@ fn measured(args: &MeasureArgs, bench: &Bench, staged: &mut Staged, progress: &P
         brdf::measure(args, bench, staged, progress)
     } else if args.ndf {
         ndf::measure(args, bench, staged, progress)
-    } else if args.wall.is_some() {
+    } else if args.wall.is_some() || bench.scene.is_some() {
         wall::measure(args, bench, staged, progress)
     } else if args.look {
         render::measure(args, bench, staged, progress)
@@ -177,9 +183,16 @@ fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
 }
 
 /// The plate as it is to be taken, and whether it goes on without end.
-fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
+fn extent(args: &MeasureArgs, recipe: &Recipe, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
     let endless = opened.plate.clone().endless();
-    match (args.extent, endless) {
+    let differ = recipe.is_near();
+    if differ && (args.extent == Some(ExtentArg::Endless) || args.wrap.is_some()) {
+        return Err(Failure::Impossible(format!(
+            "{}: its cells differ, since each knows where lamp and wall are, so it cannot be repeated: use --extent finite",
+            args.plate.display()
+        )));
+    }
+    match (args.extent, endless.filter(|_| !differ)) {
         (Some(ExtentArg::Endless), None) => Err(Failure::Impossible(format!(
             "{}: this relief stands on no grid and cannot be repeated: use --extent finite",
             args.plate.display()
