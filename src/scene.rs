@@ -63,6 +63,11 @@ impl WallPicture {
         self.centre + self.half * (uv.x * self.u + uv.y * self.v)
     }
 
+    /// The same picture on a wall `times` as far away, as large to the plate's middle.
+    pub fn moved(&self, times: f64) -> Self {
+        Self { centre: times * self.centre, half: times * self.half, ..*self }
+    }
+
     /// How far `place` lies in front of the wall, mm.
     pub fn depth(&self, place: DVec3) -> f64 {
         (self.centre - place).dot(self.normal())
@@ -119,6 +124,11 @@ impl Scene {
             Screen::Wall(wall) => Some(wall),
             Screen::Endless(_) => None,
         }
+    }
+
+    /// The same lamp with the picture on another wall.
+    pub fn with_wall(&self, wall: WallPicture) -> Self {
+        Self { lamp: self.lamp.clone(), screen: Screen::Wall(wall) }
     }
 
     /// From the plate's middle to the lamp, mm; infinite if it is endlessly far.

@@ -201,12 +201,12 @@ fn continuous(
     }
     let ended_early = ended_early || near.is_some() && progress.is_to_finish();
     progress.stage(Stage::Solid);
-    let (thickness, border) = (recipe.plate.thickness, recipe.plate.border);
+    let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
     let (mesh, relief) = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
-        Some(near) => (sheet_solid(&near.relief, thickness, border)?, near.relief.faceted()),
-        None => (sheet_solid(&sheet.relief, thickness, border)?, sheet.relief.faceted()),
+        Some(near) => (sheet_solid(&near.relief, thickness, rim)?, near.relief.faceted()),
+        None => (sheet_solid(&sheet.relief, thickness, rim)?, sheet.relief.faceted()),
     };
-    let relief = relief.with_rim(border);
+    let relief = relief.with_rim(rim);
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, near, relief, mesh, ended_early })
 }
@@ -254,7 +254,8 @@ fn faceted(
     }
     let steps = steps(&grid, &heights, pitch, periodic && near.is_none());
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
-    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets);
+    let relief = relief.with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);

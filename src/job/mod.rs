@@ -13,6 +13,8 @@ pub mod near;
 
 pub mod design;
 
+pub mod on_wall;
+
 pub mod proof;
 
 pub mod compare;
@@ -100,7 +102,7 @@ impl Job<'_> {
         let light = &self.picture.light;
         let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
         let recipe = self.recipe.clone();
-        if !self.proved || recipe.is_near() {
+        if !self.proved {
             return Ok(Product { recipe, design: made, proof: None, comparison: None });
         }
         let proof = prove(&recipe, light, &made, progress)?;

@@ -1,5 +1,7 @@
 //! Every setting with its default, saved as TOML.
 
+mod border_finish;
+
 mod sections;
 
 mod scene;
@@ -15,6 +17,7 @@ mod kind;
 use serde::{Deserialize, Serialize};
 
 pub use crate::cutter::{Cutter, CutterError};
+pub use border_finish::{BorderFinish, BorderFinishError};
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
 pub use scene::{NearMethod, SceneFault, SceneSettings};

@@ -1,5 +1,7 @@
 //! Reliefs in millimetres: planes or triangles over a grid, and the triangles that are written.
 
+pub mod rim;
+
 pub mod faceted;
 
 pub mod height_grid;
@@ -11,3 +13,7 @@ pub mod open;
 pub mod mesh;
 
 pub mod recognise;
+
+pub mod placement;
+
+pub mod repeats;

@@ -29,6 +29,7 @@ fn other(setting: &Setting) -> String {
             words.iter().map(|word| word.word).find(|word| *word != setting.default()).unwrap().to_owned()
         }
         Form::Switch => "true".into(),
+        Form::Text("FINISH") => format!("sloped:{high}"),
         Form::Text("CUTTER") => format!("ball:{high}"),
         Form::Text("WxH") | Form::Text("NxM") => format!("{high}x{high}"),
         Form::Text("THETA,PHI") => "1,2".into(),

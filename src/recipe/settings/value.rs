@@ -15,7 +15,7 @@ use crate::picture::{Encoding, PictureFit};
 use crate::projection::Projection;
 use crate::scene::room::Room;
 
-use super::super::{Arrangement, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
+use super::super::{Arrangement, BorderFinish, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
 
 /// A number with or without a fraction.
 pub fn number(text: &str) -> Result<f64, String> {
@@ -153,6 +153,27 @@ impl Value for Option<Cutter> {
 
     fn numbers(&self) -> Vec<f64> {
         self.iter().map(|cutter| cutter.diameter()).collect()
+    }
+
+    fn clear(&mut self) {
+        *self = None;
+    }
+}
+
+impl Value for Option<BorderFinish> {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        BorderFinish::from_str(text).map(|finish| *self = Some(finish)).map_err(|error| error.to_string())
+    }
+
+    fn written(&self) -> Option<String> {
+        self.map(|finish| finish.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            Some(BorderFinish::Sloped(degrees)) => degrees.iter().copied().collect(),
+            _ => Vec::new(),
+        }
     }
 
     fn clear(&mut self) {

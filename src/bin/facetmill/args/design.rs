@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use facetmill::recipe::{Recipe, SceneFault, SurfaceKind};
+use facetmill::recipe::{Recipe, SurfaceKind};
 
 use super::RunningArgs;
 use super::settings::{ByDesign, SettingFlags};
@@ -12,7 +12,7 @@ use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
 pub struct DesignArgs {
-    /// The highlight: PNG, JPEG, TIFF or WebP, bright where light shall be
+    /// The highlight, bright where light shall be: PNG, JPEG, TIFF, WebP, SVG, GIF, BMP, PGM, HDR, EXR; - for a pipe
     #[arg(required_unless_present = "recipe")]
     pub picture: Option<PathBuf>,
     /// Folder for the results; made if it does not exist
@@ -72,22 +72,7 @@ impl DesignArgs {
 
     /// `recipe` with what its scene implies, unless a flag contradicts that.
     pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
-        let flags = self.settings.alone();
-        let given = |name: &str| self.settings.has(name);
-        if given("lamp-at") && given("light") {
-            return Err(Failure::Usage("--light has no meaning beside --lamp-at: leave out one of the two".into()));
-        }
-        let implied = recipe.clone().with_implied();
-        let contradicts = |name: &str| match name {
-            "projection" => flags.highlight.projection != implied.highlight.projection,
-            "quantity" => flags.highlight.quantity != implied.highlight.quantity,
-            _ => flags.highlight.seen != implied.highlight.seen,
-        };
-        let all = ["projection", "quantity", "seen"];
-        match all.into_iter().find(|name| recipe.is_near() && given(name) && contradicts(name)) {
-            Some(name) => Err(Failure::Usage(format!("--{}", SceneFault::Implied(name)))),
-            None => Ok(implied),
-        }
+        self.settings.implied(recipe)
     }
 
     /// The kind of relief, if the flag was given.
