@@ -8,6 +8,8 @@ pub mod sheet;
 
 pub mod stl;
 
+pub mod mesh_files;
+
 pub mod pixels;
 
 pub mod lettering;
@@ -17,6 +19,8 @@ mod stroke;
 mod page;
 
 pub mod ticks;
+
+mod axes;
 
 pub mod comparison;
 

@@ -10,6 +10,7 @@
 pub mod clock;
 
 pub mod near;
+mod sentences;
 
 pub mod design;
 
@@ -27,6 +28,8 @@ pub mod pictures;
 
 mod product;
 
+mod lighter;
+
 mod advice;
 
 pub mod report;
@@ -34,6 +37,7 @@ pub mod report;
 pub mod exports;
 
 pub use product::{Content, Product, png};
+pub use sentences::{finer_than_the_blur, in_a_sentence};
 
 use crate::memory::MemoryLimit;
 use crate::picture::Picture;

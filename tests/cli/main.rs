@@ -16,6 +16,7 @@ mod measure;
 mod milled;
 mod names;
 mod publishing;
+mod reports;
 mod stopping;
 mod telling;
 

@@ -71,7 +71,7 @@ pub fn measure(
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
-        heading: format!("Light on a wall by {}, {}", bench.name, bench.material),
+        heading: format!("Light on a wall by {}, {}", bench.name, bench.made_of),
         ..Exposure::default()
     };
     staged.write_png("wall.png", &wall_page(&image, &settings, &exposure))?;
