@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn a_sheet_of_few_nodes_takes_as_long_as_its_tool_has_places() {
         let mut recipe = Recipe::default();
-        (recipe.plate.grid, recipe.plate.cells) = (Some(16), Some(1));
+        (recipe.plate.grid, recipe.plate.cells) = (Some(16), Some(1.into()));
         let seconds = |ball: f64| {
             let mut recipe = recipe.clone();
             recipe.design.sheet.cutter = Some(Cutter::ball(ball));
@@ -207,7 +207,7 @@ mod tests {
             let mut recipe = Recipe::default();
             (recipe.plate.size, recipe.plate.cells, recipe.plate.grid) = ([side; 2], Some(1.into()), Some(grid));
             recipe.design.sheet.cutter = ball.map(Cutter::ball);
-            let told = estimate(&recipe, false).design_cpu_seconds_about;
+            let told = estimate(&recipe, 256, false).design_cpu_seconds_about;
             assert!((measured / 1.5..measured * 1.5).contains(&told), "{grid} {side} {ball:?}: {told} {measured}");
         }
     }

@@ -354,7 +354,7 @@ mod tests {
         for (ball, change) in [
             (0.001, (|_| {}) as fn(&mut Recipe)),
             (0.01, |r| r.plate.size = [100.0, 100.0]),
-            (0.1, |r| (r.plate.size, r.plate.grid, r.plate.cells) = ([100.0, 100.0], Some(16), Some(1))),
+            (0.1, |r| (r.plate.size, r.plate.grid, r.plate.cells) = ([100.0, 100.0], Some(16), Some(1.into()))),
         ] {
             let refused = with(ball, change).unwrap_err();
             let RecipeError::CutterTooFine { least, .. } = refused else { panic!("{refused}") };

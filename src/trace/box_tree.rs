@@ -22,9 +22,9 @@ const APART: usize = 32;
 /// Fewer crowded boxes than these cost less than a tenth of a second, however they lie (4000 copies: 0.08 s).
 const CROWD: usize = 4000;
 
-/// Boxes of a piece: at worst a piece takes 256²/2 tries of partners at six neighbours each, about as long as 256 boxes of
-/// a clean mesh take with all that is done to them.
-const PIECE: usize = 256;
+/// Boxes of a piece. With 256, nested triangles took 5.4 times as long as a clean mesh, and their chains made trees of more
+/// than 32 levels.
+const PIECE: usize = 16;
 
 /// The tree over `boxes`, one of each of `triangles`. Its shape is that of the crate's `fast_build`, than which slower ones
 /// were measured to search no faster; but a tree too deep for the crate's own search is no fault here.
