@@ -14,6 +14,8 @@ mod sentences;
 
 pub mod design;
 
+mod scene_facts;
+
 pub mod on_wall;
 
 pub mod proof;
@@ -21,6 +23,8 @@ pub mod proof;
 pub mod compare;
 
 pub mod estimate;
+
+mod wall_pictures;
 
 pub mod pictures;
 
