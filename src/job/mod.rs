@@ -14,15 +14,19 @@ mod sentences;
 
 pub mod design;
 
+mod scene_facts;
+
 pub mod on_wall;
 
 pub mod proof;
 
 pub mod compare;
 
+pub mod memory;
+
 pub mod estimate;
 
-pub mod memory;
+mod wall_pictures;
 
 pub mod pictures;
 

@@ -15,6 +15,7 @@ mod kinds;
 mod measure;
 mod milled;
 mod names;
+mod on_wall;
 mod publishing;
 mod reports;
 mod stopping;

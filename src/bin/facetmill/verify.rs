@@ -48,19 +48,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
     recipe.name_picture(&path);
-    if let Some(file) = &args.scene {
-        recipe.scene.room = Some(inputs::room(file)?);
-    }
-    let mut recipe = args.settings.implied(recipe)?;
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
-    if recipe.is_near() && args.mount.is_some() {
-        return Err(Failure::Usage(
-            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
-        ));
-    }
+    let mut recipe = in_its_scene(args, recipe)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -120,7 +108,30 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         more: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
-    match report.at_most {
+    within_limit(report.at_most)
+}
+
+/// The recipe in the scene that the flags say, if lamp and plate can stand so.
+fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
+    Ok(recipe)
+}
+
+/// Whether no more light is misplaced than was allowed, if a limit was given.
+fn within_limit(allowed: Option<Allowed>) -> Result<(), Failure> {
+    match allowed {
         Some(allowed) if !allowed.kept => Err(Failure::Beyond(format!(
             "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
             percent(allowed.tv_incident),
