@@ -78,9 +78,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     // A rim that is left dull lights nothing.
     let dull_rim = if recipe.border_finish() == BorderFinish::Matt { recipe.plate.border } else { 0.0 };
     let measuring = measuring(args, &recipe);
-    let limit = args.running.memory();
-    let need = memory::need(args, measuring.resolution)?;
-    limit.admit(need)?;
+    let memory = (args.running.memory(), memory::need(args, measuring.resolution)?);
+    memory.0.admit(memory.1)?;
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
         setup = setup.mounted(normal);
@@ -94,7 +93,6 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let memory = (limit, need);
     let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing, memory)?;
     let (plate, endless) = extent(args, &recipe, &opened)?;
     let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
