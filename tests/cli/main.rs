@@ -13,6 +13,7 @@ mod names;
 mod publishing;
 mod stopping;
 mod telling;
+mod verify;
 
 use std::fs;
 use std::path::Path;

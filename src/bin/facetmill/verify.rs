@@ -23,6 +23,7 @@ use facetmill::verify::rim::OverRim;
 use facetmill::verify::score::blurred_scores;
 use facetmill::verify::tally::Measurement;
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
+use glam::DVec3;
 
 use crate::args::VerifyArgs;
 use crate::console::{Failure, Stages, Table, tell};
@@ -39,17 +40,29 @@ const ASTRAY: f64 = 0.5;
 /// A turned or mirrored drawing explains it if it leaves this share of what is misplaced.
 const EXPLAINED: f64 = 0.3;
 
-/// Does what `args` say.
-pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
+/// What is to be verified.
+struct Asked {
+    /// The mesh.
+    stl: PathBuf,
+    /// Settings, with those of a folder under the flags.
+    recipe: Recipe,
+    /// The normal of a plate that its folder says is mounted.
+    mount: Option<DVec3>,
+    /// The picture.
+    drawing: PathBuf,
+}
+
+/// What `args` ask for.
+fn asked(args: &VerifyArgs) -> Result<Asked, Failure> {
     inputs::given([Some(&args.plate), None])?;
     let Named { stl, mut recipe, mount } = plates::named(&args.plate)?;
     args.settings.apply(&mut recipe);
-    let path = drawing(args, &recipe)?;
-    recipe.picture = Some(path.to_string_lossy().into_owned());
+    let drawing = drawing(args, &recipe)?;
+    recipe.picture = Some(drawing.to_string_lossy().into_owned());
     if let Some(file) = &args.scene {
         recipe.scene.room = Some(inputs::room(file)?);
     }
-    let mut recipe = args.settings.implied(recipe)?;
+    let recipe = args.settings.implied(recipe)?;
     recipe.check().map_err(|error| match error.is_impossible() {
         true => Failure::Impossible(error.to_string()),
         false => Failure::Usage(format!("--{error}")),
@@ -59,6 +72,12 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
         ));
     }
+    Ok(Asked { stl, recipe, mount, drawing })
+}
+
+/// Does what `args` say.
+pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
+    let Asked { stl, mut recipe, mount, drawing: path } = asked(args)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -116,7 +135,12 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         rows: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
-    match report.at_most {
+    judged(report.at_most)
+}
+
+/// The end that a limit puts to a proof.
+fn judged(allowed: Option<Allowed>) -> Result<(), Failure> {
+    match allowed {
         Some(allowed) if !allowed.kept => Err(Failure::Beyond(format!(
             "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
             percent(allowed.tv_incident),
