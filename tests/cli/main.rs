@@ -3,6 +3,11 @@
 #[path = "../program/mod.rs"]
 mod program;
 
+#[path = "../library/mutants/mutate.rs"]
+mod mutate;
+
+mod bounds;
+mod breaking;
 mod continuous;
 mod files;
 mod hostile;
