@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use facetmill::job::clock::{Spent, on_own_threads};
 use facetmill::job::design::DesignError;
 use facetmill::job::{Job, Outcome};
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::{Picture, read};
 use facetmill::progress::{CancelToken, Event, Progress};
 use facetmill::recipe::Recipe;
@@ -22,7 +23,7 @@ fn work(
 ) -> Result<(Outcome, Spent), Box<dyn Error + Send + Sync>> {
     let listen = |_: Event<'_>| {};
     let progress = Progress::new(&listen, cancel);
-    let job = Job { recipe, picture, proved: true };
+    let job = Job { recipe, picture, proved: true, memory: MemoryLimit::of_system(1) };
     let (outcome, spent) = on_own_threads(Some(1), || job.run(None, &mut |_, _| {}, &progress))?;
     Ok((outcome.map_err(|error: DesignError| error.to_string())?, spent))
 }
@@ -39,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let mut recipe = Recipe::default();
     recipe.design.sheet.cutter = Some("ball:0.5".parse()?);
     recipe.plate.size = [10.0, 10.0]; // mm
-    (recipe.plate.cells, recipe.plate.grid) = (Some(1), Some(128));
+    (recipe.plate.cells, recipe.plate.grid) = (Some(1.into()), Some(128));
     recipe.verify.rays = 200_000;
     let picture = read(&path, &recipe.reading())?;
 

@@ -29,7 +29,7 @@
 //! let mut recipe = Recipe::default();
 //! recipe.highlight.half_field = 10.0;
 //! recipe.plate.size = [12.0, 12.0];
-//! recipe.plate.cells = Some(1);
+//! recipe.plate.cells = Some(1.into());
 //! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given
 //! recipe.design.sheet.cutter = Some(Cutter::ball(0.5));
 //! recipe.verify.rays = 100_000;
@@ -54,7 +54,7 @@
 //! The modules stand in reading order, and each imports only from those above it.
 //!
 //! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fence`] turns a
-//!    panic of a file's decoder into an error. [`fourier`] and [`descent`] are the two numerical tools that several
+//!    panic of a file's decoder into an error. [`memory`] refuses work that would take more than there is. [`fourier`] and [`descent`] are the two numerical tools that several
 //!    stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
 //!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
@@ -159,6 +159,8 @@ pub use image;
 pub mod progress;
 
 pub mod fence;
+
+pub mod memory;
 
 pub mod fourier;
 

@@ -3,7 +3,8 @@
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
 use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
-use crate::sculpt::milled_facets::least_diameter;
+use crate::sculpt::milled_facets::{Places, least_diameter};
+use crate::sculpt::tool::Tool;
 
 impl Recipe {
     /// Refuses settings that make no sense, naming the first one.
@@ -31,27 +32,28 @@ impl Recipe {
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
         }
-        let [cells, _] = self.cells();
-        if !columns.is_multiple_of(cells) || !rows.is_multiple_of(cells) {
-            let nearest = |n: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
+        let [across, up] = self.cells();
+        if !columns.is_multiple_of(across) || !rows.is_multiple_of(up) {
+            let nearest = |n: usize, cells: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
             return Err(RecipeError::Indivisible {
                 columns,
                 rows,
-                cells,
-                near_columns: nearest(columns),
-                near_rows: nearest(rows),
+                cells: [across, up],
+                near_columns: nearest(columns, across),
+                near_rows: nearest(rows, up),
             });
         }
         let pitch = self.pitch();
         if pitch.max_element() > 20.0 * pitch.min_element() {
             return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
         }
-        // Rounded up, so that what the message names will do.
-        let least = (1e3 * least_diameter(self.plate.size[0] * self.plate.size[1])).ceil() / 1e3;
-        match self.design.sheet.cutter.filter(|cutter| cutter.diameter() < least) {
-            Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter(), least }),
-            None => Ok(()),
+        let Some(cutter) = self.design.sheet.cutter else { return Ok(()) };
+        not_too_fine(cutter, least_diameter(self.plate.size[0] * self.plate.size[1]))?;
+        if Places::new(self.plate.size, [columns, rows], cutter).are_too_many() {
+            let diameter = cutter.diameter();
+            return Err(RecipeError::CutterTooWide { diameter, pitch: pitch.min_element() });
         }
+        Ok(())
     }
 
     fn check_sheet(&self) -> Result<(), RecipeError> {
@@ -63,15 +65,16 @@ impl Recipe {
         if cell.max_element() > 4.0 * cell.min_element() {
             return Err(RecipeError::LongCells { across: cell.x, up: cell.y });
         }
-        let cells: f64 = sculpting.cells.iter().map(|n| *n as f64).product();
-        let triangles = 2.0 * (grid as f64).powi(2) * cells;
-        if triangles > self.most_triangles() as f64 {
-            let most = (self.most_triangles() as f64 / (2.0 * cells)).sqrt();
-            return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
+        if !self.fits_the_file(grid) {
+            let most = (1..grid / 2).rev().map(|half| 2 * half).find(|grid| self.fits_the_file(*grid));
+            return Err(RecipeError::TooManyTriangles { triangles: self.triangles(grid), most: most.unwrap_or(0) });
         }
         self.design.sheet.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
         if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.diameter() > cell.min_element()) {
             return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter(), cell: cell.min_element() });
+        }
+        if let Some(cutter) = self.design.sheet.cutter {
+            not_too_fine(cutter, Tool::least_diameter(cell, grid))?;
         }
         let cell = cell.min_element();
         match self.design.sheet.polish.filter(|polish| *polish >= 0.25 * cell) {
@@ -79,6 +82,14 @@ impl Recipe {
             None => Ok(()),
         }
     }
+}
+
+/// Refuses a cutter smaller than `least` mm.
+fn not_too_fine(cutter: Cutter, least: f64) -> Result<(), RecipeError> {
+    // Rounded up, so that what the message names will do.
+    let least = (1e3 * least).ceil() / 1e3;
+    let diameter = cutter.diameter();
+    if diameter < least { Err(RecipeError::CutterTooFine { diameter, least }) } else { Ok(()) }
 }
 
 /// Why a recipe cannot be followed.
@@ -118,15 +129,17 @@ pub enum RecipeError {
     NoBorder,
     /// Facets do not divide into cells.
     #[error(
-        "{columns}x{rows} facets do not divide into {cells}x{cells} cells: take --facets {near_columns}x{near_rows}, or other --cells"
+        "{columns}x{rows} facets do not divide into {}x{} cells: take --facets {near_columns}x{near_rows}, or other --cells",
+        cells[0],
+        cells[1]
     )]
     Indivisible {
         /// Facets along x.
         columns: usize,
         /// Facets along y.
         rows: usize,
-        /// Cells a side.
-        cells: usize,
+        /// Cells along x and y.
+        cells: [usize; 2],
         /// The nearest number along x that divides.
         near_columns: usize,
         /// The nearest number along y that divides.
@@ -183,7 +196,7 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
-    /// A ball too small to follow over a plate of facets.
+    /// A ball too small to follow over a plate.
     #[error(
         "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
     )]
@@ -192,6 +205,16 @@ pub enum RecipeError {
         diameter: f64,
         /// The smallest that can be, mm.
         least: f64,
+    },
+    /// A ball that takes thousands of facets to pass over.
+    #[error(
+        "a ball of {diameter} mm is too wide to be followed over facets of {pitch:.4} mm: take a smaller cutter in --for-cutter or fewer --facets"
+    )]
+    CutterTooWide {
+        /// Diameter of the ball, mm.
+        diameter: f64,
+        /// Shorter side of a facet, mm.
+        pitch: f64,
     },
     /// Polish that leaves nothing.
     #[error(
@@ -231,6 +254,7 @@ impl RecipeError {
 mod tests {
     use super::*;
     use crate::facets::arrange::anneal::Annealing;
+    use crate::recipe::Cells;
 
     #[test]
     fn a_recipe_survives_toml_and_typos_do_not() {
@@ -261,7 +285,7 @@ mod tests {
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");
-        assert_eq!(named(refused(|r| r.plate.cells = Some(0))), "cells");
+        assert_eq!(named(refused(|r| r.plate.cells = Some(0.into()))), "cells");
         assert!(refused(|r| r.plate.border_finish = Some(BorderFinish::Polished)).to_string().contains("--border"));
         let steep =
             |r: &mut Recipe| (r.plate.border, r.plate.border_finish) = (3.0, Some(BorderFinish::Sloped(Some(70.0))));
@@ -282,12 +306,17 @@ mod tests {
             change(&mut recipe);
             recipe.check().unwrap_err()
         };
-        let error = flat(|r| r.plate.cells = Some(4));
+        let error = flat(|r| r.plate.cells = Some(4.into()));
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(flat(|r| r.plate.facets = Some([3000, 3000])).is_impossible());
         assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
         let error = flat(|r| r.design.sheet.cutter = Some(Cutter::ball(0.07)));
         assert!(error.to_string().contains("0.075 mm or more"), "{error}");
+        let wide = flat(|r| {
+            (r.plate.facets, r.plate.size) = (Some([2000, 2000]), [1.0, 1.0]);
+            r.design.sheet.cutter = Some(Cutter::ball(100.0));
+        });
+        assert!(wide.is_impossible() && matches!(wide, RecipeError::CutterTooWide { .. }), "{wide}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.sheet.min_feature = Some(-1.0))), "min-feature");
         assert_eq!(named(refused(|r| r.design.sheet.polish = Some(f64::NAN))), "polish");
@@ -303,11 +332,51 @@ mod tests {
         assert_eq!(continuous(|r| r.plate.grid = Some(255)), RecipeError::OddGrid { grid: 255 });
         let error = continuous(|r| r.plate.grid = Some(1024));
         assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
-        let error = continuous(|r| (r.plate.size, r.plate.cells) = ([30.0, 2.0], Some(3)));
+        let error = continuous(|r| (r.plate.size, r.plate.cells) = ([30.0, 2.0], Some(3.into())));
         assert!(matches!(error, RecipeError::LongCells { .. }));
-        let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
+        let many = continuous(|r| r.plate.cells = Some(1000.into())).to_string();
         assert!(many.contains("fewer --cells"), "{many}");
+        let error = flat(|r| r.plate.cells = Some(Cells([5, 4])));
+        assert!(error.to_string().contains("5x4 cells: take --facets 30x32"), "{error}");
         assert!(continuous(|r| r.design.sheet.cutter = Some(Cutter::ball(20.0))).is_impossible());
         assert!(continuous(|r| r.design.sheet.polish = Some(2.5)).is_impossible());
+    }
+
+    #[test]
+    fn the_smallest_ball_that_is_named_will_do() {
+        let with = |ball, change: fn(&mut Recipe)| {
+            let mut recipe = Recipe::default();
+            recipe.plate.surface = Some(SurfaceKind::Sheet);
+            recipe.design.sheet.cutter = Some(Cutter::ball(ball));
+            change(&mut recipe);
+            recipe.check()
+        };
+        for (ball, change) in [
+            (0.001, (|_| {}) as fn(&mut Recipe)),
+            (0.01, |r| r.plate.size = [100.0, 100.0]),
+            (0.1, |r| (r.plate.size, r.plate.grid, r.plate.cells) = ([100.0, 100.0], Some(16), Some(1.into()))),
+        ] {
+            let refused = with(ball, change).unwrap_err();
+            let RecipeError::CutterTooFine { least, .. } = refused else { panic!("{refused}") };
+            assert!(refused.is_impossible() && with(least, change).is_ok(), "{refused}");
+            assert!(with(0.99 * least - 0.001, change).is_err());
+        }
+    }
+
+    #[test]
+    fn a_budget_of_triangles_chooses_the_grid_and_is_kept() {
+        for (most, grid) in [(75_000, 60), (76_032, 64), (50_000, 48), (10_000, 20), (3_000_000, 400)] {
+            let mut recipe = Recipe::default();
+            recipe.plate.max_triangles = Some(most);
+            assert_eq!((recipe.check(), recipe.sculpting().grid), (Ok(()), grid), "{most}");
+            assert!(recipe.triangles(grid) <= most as f64);
+        }
+        let mut recipe = Recipe::default();
+        recipe.plate.max_triangles = Some(4000);
+        let error = recipe.check().unwrap_err().to_string();
+        assert!(error.contains("5184 triangles") && error.contains("fewer --cells"), "{error}");
+        (recipe.plate.max_triangles, recipe.plate.grid) = (Some(75_000), Some(64));
+        let error = recipe.check().unwrap_err().to_string();
+        assert!(error.contains("76032 triangles") && error.contains("--grid to 62"), "{error}");
     }
 }

@@ -2,21 +2,20 @@
 
 use std::path::PathBuf;
 
-use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{Job, Outcome, Product, exports};
-use facetmill::picture;
+use facetmill::job::{Job, Outcome, Product, exports, memory};
 use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::report::estimate::EstimateReport;
 use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
+use crate::stages::Stages;
 use crate::{inputs, tables};
 
 /// Does what `args` say.
@@ -24,15 +23,19 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([args.recipe.as_deref(), None])?;
     let (mut recipe, path) = recipe(args)?;
     let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
+    let limit = args.running.memory();
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
-        let picture = picture::read(&path, &recipe.reading())?;
+        let picture = inputs::picture(&path, &recipe.reading(), limit)?;
         let stray = unavoidable_light(&recipe, &picture.light)?;
         let share = stray.map(|stray| stray.share);
-        let report = EstimateReport { least_stray_share: share, ..estimate(&recipe, !args.no_verify) };
+        let report =
+            EstimateReport { least_stray_share: share, ..estimate(&recipe, picture.light.width, !args.no_verify) };
+        let refused = limit.admit(memory::need(&recipe, picture.light.width, !args.no_verify)).err();
         tell(&args.running, &report, |report| Table {
             title: "Dry run: nothing was designed or written".into(),
             rows: tables::estimate(&recipe, report),
-            notes: Vec::new(),
+            notes: refused.iter().map(|refused| format!("This would be refused: {refused}.")).collect(),
+            ..Table::default()
         })?;
         return Ok(());
     };
@@ -44,13 +47,9 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
-    let mut picture = picture::read(&path, &recipe.reading())?;
+    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
-    if recipe.picture.is_none() {
-        let note = "The picture's name is not Unicode, so recipe.toml is without it: name it beside --recipe.";
-        picture.notes.push(note.into());
-    }
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| {
         if matches!(event, Event::Stage(stage, _) if ![Stage::Sculpting, Stage::Room].contains(&stage)) {
             run.design_is_over();
@@ -58,30 +57,18 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         stages.hear(event);
     };
     let progress = Progress::new(&listen, &run.cancel);
-    let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify };
+    let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify, memory: limit };
     let from = if args.resume { Some(snapshots::resume(folder, &recipe, &picture.light)?) } else { None };
     let kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, &recipe, &picture.light));
-    let work = || {
-        let made = made(job, from, kept, run, &progress)?;
-        made.write(
-            &picture,
-            &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?),
-            &progress,
-        )?;
-        Ok::<_, Failure>(made)
-    };
-    let (made, _) = on_own_threads(args.running.threads, work)
-        .map_err(|error| Failure::Impossible(format!("no threads can be started ({error}): lower --threads")))?;
-    let made = made?;
+    let made = made(job, from, kept, run, &progress)?;
+    made.write(&picture, &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?), &progress)?;
     staged.publish()?;
     stages.finish();
-    tell(&args.running, &made.report(&picture), |report| {
-        let look = if report.designed.is_some() { "; look at comparison.png first" } else { "" };
-        Table {
-            title: format!("Wrote {}: plate.stl of {} triangles{look}", folder.display(), report.stl.triangles),
-            rows: tables::design(report),
-            notes: [&report.picture.notes[..], &report.advice[..]].concat(),
-        }
+    tell(&args.running, &made.report(&picture), |report| Table {
+        title: report.verdict.clone().unwrap_or_else(|| "Designed; no light was sent over it (--no-verify).".into()),
+        rows: tables::design_in_short(folder, report),
+        more: tables::design(report),
+        notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     Ok(())
 }
@@ -150,14 +137,10 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             "{flag} is for a sheet, and this plate is one of flat facets: leave it out, or take --surface continuous"
         )));
     }
-    let path = match (&args.picture, &recipe.picture, &args.recipe) {
-        (Some(path), _, _) => path.clone(),
-        (None, Some(name), _) if !name.is_empty() => PathBuf::from(name),
-        (None, _, Some(file)) => {
-            let name = file.display();
-            return Err(Failure::Input(format!("{name}: the recipe names no picture: give one on the command line")));
-        }
-        (None, _, None) => return Err(Failure::Usage("no picture was given: name one".into())),
+    let path = match (&args.picture, &args.recipe) {
+        (Some(path), _) => path.clone(),
+        (None, Some(file)) => inputs::picture_of(&recipe, file)?,
+        (None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
     };
     Ok((recipe, path))
 }

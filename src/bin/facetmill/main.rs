@@ -4,6 +4,8 @@
 
 mod files;
 
+mod wrapping;
+
 mod tables;
 
 mod values;
@@ -11,6 +13,8 @@ mod values;
 mod args;
 
 mod console;
+
+mod stages;
 
 mod inputs;
 
@@ -20,7 +24,11 @@ mod interrupt;
 
 mod snapshots;
 
+mod help;
+
 mod usage;
+
+mod manual;
 
 mod measure;
 
@@ -31,14 +39,17 @@ mod design;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::Parser;
+use clap::FromArgMatches;
+use facetmill::job::clock::on_own_threads;
 
-use args::{Cli, Command};
-use console::report_failure;
+use args::{Cli, Command, RunningArgs};
+use console::{Failure, report_failure};
 use interrupt::Run;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let all = std::env::args_os().any(|word| word == help::ALL);
+    let parsed = help::command(all).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(usage::answer(&error)),
     };
@@ -46,24 +57,38 @@ fn main() -> ExitCode {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
         Command::Measure(args) => &args.running,
+        Command::Completions { shell } => return manual::written(manual::completions(*shell)),
+        Command::Man => return manual::written(manual::page()),
     };
+    work(&cli.command, running)
+}
+
+/// Does what the command says.
+fn work(command: &Command, running: &RunningArgs) -> ExitCode {
     let to_json = running.json;
     let run = Arc::new(Run::default());
     let interrupted = run.clone();
     // Without a handler Ctrl-C still ends the program, only less tidily.
     let _ = ctrlc::set_handler(move || interrupted.interrupted(to_json));
     interrupt::catch_size_limit();
-    if let Some(threads) = running.threads {
-        // Fails only if a pool exists already, and none does yet.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    }
-    let done = match &cli.command {
-        Command::Design(args) => design::run(args, &run),
-        Command::Verify(args) => verify::run(args, &run),
-        Command::Measure(args) => measure::run(args, &run),
+    let work = || {
+        console::tell_threads(running);
+        match command {
+            Command::Design(args) => design::run(args, &run),
+            Command::Verify(args) => verify::run(args, &run),
+            Command::Measure(args) => measure::run(args, &run),
+            Command::Completions { .. } | Command::Man => Ok(()),
+        }
+    };
+    let done = match on_own_threads(running.threads, work) {
+        Ok((done, _)) => done,
+        Err(error) => Err(Failure::Impossible(format!("no thread can be started ({error}): end other programs"))),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => ExitCode::from(report_failure(&failure, to_json)),
+        Err(failure) => {
+            run.clear_progress();
+            ExitCode::from(report_failure(&failure, to_json))
+        }
     }
 }

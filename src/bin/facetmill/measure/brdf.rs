@@ -11,7 +11,7 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
-use facetmill::verify::goniometer::table::BrdfAxes;
+use facetmill::verify::goniometer::table::{BrdfAxes, Laws};
 
 use super::{Bench, Outcome};
 use crate::args::MeasureArgs;
@@ -82,7 +82,7 @@ pub fn measure(
         Err(error @ MerlError::Anisotropic { .. }) => notes.push(format!("No brdf.binary was written: {error}.")),
         Err(error) => return Err(Failure::Impossible(format!("brdf.binary: {error}"))),
     }
-    let heading = format!("BRDF of {}, {}", bench.name, bench.material);
+    let heading = format!("BRDF of {}, {}", bench.name, bench.made_of);
     let drawn = DRAWN.map(f64::to_radians);
     staged.write_png("slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
     let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };
@@ -133,9 +133,22 @@ fn facts(swept: &Swept, rays: u64, bsdf: BsdfFacts) -> BrdfFacts {
         greatest_albedo: laws.greatest_albedo.0,
         greatest_albedo_error: laws.greatest_albedo.1,
         reciprocity_error: laws.reciprocity_error,
+        reciprocity_noise: laws.reciprocity_noise,
+        rays_each_for_5_percent: enough(&laws, rays),
         bsdf,
         directions: by_light,
     }
+}
+
+/// Noise of reciprocity that nobody minds.
+const QUIET: f64 = 0.05;
+
+/// About how many rays from each direction bring the noise of reciprocity to [`QUIET`], `rays` having been sent; two digits.
+fn enough(laws: &Laws, rays: u64) -> u64 {
+    // Noise falls with the square root of their number.
+    let wanted = rays as f64 * (laws.reciprocity_noise / QUIET).powi(2);
+    let step = 10f64.powf((wanted.max(10.0).log10()).floor() - 1.0);
+    ((wanted / step).ceil() * step) as u64
 }
 
 /// The same for a person.
@@ -144,15 +157,31 @@ fn rows(swept: &Swept, rays: u64) -> Vec<[String; 3]> {
     let lights = swept.table.axes().slices();
     vec![
         row("directions", lights.to_string(), format!("of light, {rays} rays each")),
-        row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
+        row("albedo", percent(laws.greatest_albedo.0), albedo(laws.greatest_albedo)),
         row("bounced twice", percent(worst(swept, |l| l.multi_bounce)), "of what leaves, where most does"),
         row("past the edges", percent(worst(swept, |l| l.past_edges)), "of the light, where most does"),
         row(
             "reciprocity",
             percent(laws.reciprocity_error),
-            "mean difference when light and viewer change places: noise, and cells",
+            if laws.reciprocity_noise > QUIET {
+                format!(
+                    "mean difference when light and viewer change places; about {} of it is noise of few rays: \
+                     --rays {} makes that 5 %",
+                    percent(laws.reciprocity_noise.min(laws.reciprocity_error)),
+                    enough(&laws, rays)
+                )
+            } else {
+                "mean difference when light and viewer change places: noise, and cells".into()
+            },
         ),
     ]
+}
+
+/// What is said of the greatest albedo and its standard error. No law lets more than all light leave; what a table holds
+/// beyond that is chance, and the width of its cells.
+fn albedo((share, error): (f64, f64)) -> String {
+    let beyond = if share > 1.0 { "; what is beyond 100 % is noise of the rays, and cells" } else { "" };
+    format!("of the light leaves, where most does (± {:.2}){beyond}", 100.0 * error)
 }
 
 /// The largest of a share over all directions of light.
@@ -195,3 +224,14 @@ const MOST_CELLS_EACH: usize = 16_777_216;
 
 /// Cells of a table: 1 GB in memory.
 const MOST_CELLS: usize = 128_000_000;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_albedo_above_one_is_told_as_noise() {
+        assert!(!albedo((0.9731, 0.001)).contains("beyond"));
+        assert!(albedo((1.0019, 0.0012)).contains("(± 0.12); what is beyond 100 % is noise"));
+    }
+}

@@ -3,6 +3,7 @@
 mod brdf;
 mod check;
 mod highlight;
+mod memory;
 mod ndf;
 mod render;
 mod wall;
@@ -10,7 +11,7 @@ mod wall;
 use facetmill::brdf::material::Material;
 use facetmill::job::exports;
 use facetmill::lamp::Extent;
-use facetmill::picture::{self, Reading};
+use facetmill::picture::Reading;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
@@ -22,11 +23,12 @@ use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::args::MeasureArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::inputs;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
+use crate::stages::Stages;
 use crate::tables::Row;
 use crate::values::ExtentArg;
 
@@ -42,6 +44,8 @@ struct Bench {
     /// Lamp and wall of the design, if they are near and nothing else is asked for.
     scene: Option<Scene>,
     material: Material,
+    /// The material, as a caption says it.
+    made_of: String,
     lamp: Extent,
     measuring: Measuring,
 }
@@ -53,6 +57,9 @@ impl Bench {
         Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
+
+/// Figures that are told without --verbose.
+const SHORT: usize = 5;
 
 /// What a measurement has to say, its files being written already.
 struct Outcome {
@@ -71,6 +78,9 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     // A rim that is left dull lights nothing.
     let dull_rim = if recipe.border_finish() == BorderFinish::Matt { recipe.plate.border } else { 0.0 };
     let measuring = measuring(args, &recipe);
+    let limit = args.running.memory();
+    let need = memory::need(args, measuring.resolution)?;
+    limit.admit(need)?;
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
         setup = setup.mounted(normal);
@@ -80,11 +90,12 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     }
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MEASURE, &read), &run.gate)?;
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing)?;
+    let memory = (limit, need);
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing, memory)?;
     let (plate, endless) = extent(args, &recipe, &opened)?;
     let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
     let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
@@ -93,6 +104,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         plate,
         endless,
         name: plates::name(&args.plate),
+        made_of: made_of(args, &recipe),
         material: args.material.clone().unwrap_or_else(|| recipe.metal()),
         lamp: lamp(args, &recipe)?,
         opened,
@@ -100,17 +112,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         setup,
         measuring,
     };
-    let outcome = if args.brdf {
-        brdf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.ndf {
-        ndf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.wall.is_some() || bench.scene.is_some() {
-        wall::measure(args, &bench, &mut staged, &progress)?
-    } else if args.look {
-        render::measure(args, &bench, &mut staged, &progress)?
-    } else {
-        highlight::measure(&bench, &mut staged, &progress)?
-    };
+    let mut outcome = measured(args, &bench, &mut staged, &progress)?;
     let report = MeasureReport {
         program: PROGRAM,
         plate: bench.opened.facts.clone(),
@@ -130,12 +132,29 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
+    let more = outcome.rows.split_off(outcome.rows.len().min(SHORT));
     tell(&args.running, &report, |report| Table {
         title: format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at),
         rows: outcome.rows,
+        more,
         notes: report.advice.clone(),
     })?;
     Ok(())
+}
+
+/// Measures what the flags ask for.
+fn measured(args: &MeasureArgs, bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
+    if args.brdf {
+        brdf::measure(args, bench, staged, progress)
+    } else if args.ndf {
+        ndf::measure(args, bench, staged, progress)
+    } else if args.wall.is_some() || bench.scene.is_some() {
+        wall::measure(args, bench, staged, progress)
+    } else if args.look {
+        render::measure(args, bench, staged, progress)
+    } else {
+        highlight::measure(bench, staged, progress)
+    }
 }
 
 /// The flags laid over what the folder of a design says.
@@ -146,6 +165,15 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
+}
+
+/// What the plate is made of, in the words that were used for it.
+fn made_of(args: &MeasureArgs, recipe: &Recipe) -> String {
+    match (&args.material, recipe.plate.lobe) {
+        (Some(material), _) => material.to_string(),
+        (None, 0.0) => "mirror".into(),
+        (None, lobe) => format!("mirror, lobe {lobe}°"),
+    }
 }
 
 fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
@@ -187,7 +215,7 @@ const LAMP_HALF_FIELD: f64 = 5.0;
 fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
     let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
-    let picture = picture::read(path, &Reading::default())?;
+    let picture = inputs::picture(path, &Reading::default(), args.running.memory())?;
     Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }
