@@ -21,6 +21,8 @@ pub(crate) struct ComparisonPage<'a> {
     pub rows: &'a [Comparison],
     /// The view all images cover, u and v from -1 to 1.
     pub view: &'a View,
+    /// From the middle of the images to their rim, mm, if they are seen on a wall: scales are then in mm, 0 in the middle.
+    pub on_wall: Option<f64>,
     /// Over all; empty to do without.
     pub heading: &'a str,
     /// Facts of the plate, at the bottom; may have several lines.
@@ -52,10 +54,11 @@ impl ComparisonPage<'_> {
         let layout = Layout::new(panel_side(size), self.rows.len(), !self.heading.is_empty(), footer.len());
         let mut page = Page::new(layout.width, layout.height);
         for (k, row) in self.rows.iter().enumerate() {
-            layout.row(k).draw(&mut page, row, self.view);
+            layout.row(k).draw(&mut page, row, self.view, self.on_wall);
         }
-        let note = "Axes: degrees from the mirror direction · difference: simulated − target, in % of white";
-        layout.page_words(&mut page, self.heading, &footer, note);
+        let axes = self.on_wall.map_or("degrees from the mirror direction", |_| "mm on the wall");
+        let note = format!("Axes: {axes} · difference: simulated − target, in % of white");
+        layout.page_words(&mut page, self.heading, &footer, &note);
         page.image
     }
 }
@@ -158,7 +161,7 @@ struct RowLayout<'a> {
 
 impl RowLayout<'_> {
     /// Draws the three panels with their scales and words.
-    fn draw(&self, page: &mut Page, row: &Comparison, view: &View) {
+    fn draw(&self, page: &mut Page, row: &Comparison, view: &View, on_wall: Option<f64>) {
         let target = &row.target;
         let simulated = row.simulated.resampled(target.width, target.height);
         let white = [common_white(target), common_white(&simulated), 1.0].into_iter().find(|w| *w > 0.0).unwrap_or(1.0);
@@ -172,10 +175,15 @@ impl RowLayout<'_> {
         }
         self.paint(page, 2, |x, y| diverging(difference.at(x as usize, y as usize) / limit));
         for k in 0..3 {
-            self.scales(page, k, view);
+            match on_wall {
+                None => self.scales(page, k, view),
+                Some(half) => self.millimetres(page, k, half),
+            }
             self.panel_words(page, k, &row.titles[k], &row.numbers[k]);
         }
-        self.scale_bar(page, view);
+        if on_wall.is_none() {
+            self.scale_bar(page, view);
+        }
         self.colour_bar(page, limit);
     }
 
@@ -203,6 +211,12 @@ impl RowLayout<'_> {
         let Layout { side, lefts, unit, .. } = *self.page;
         let place = Place { left: lefts[panel], top: self.top, width: side, height: side };
         axes::degrees(page, unit, place, view, panel == 0);
+    }
+
+    fn millimetres(&self, page: &mut Page, panel: usize, half: f64) {
+        let Layout { side, lefts, unit, .. } = *self.page;
+        let place = Place { left: lefts[panel], top: self.top, width: side, height: side };
+        axes::linear(page, unit, place, (half, false), |at| if panel == 0 { number(at) } else { String::new() });
     }
 
     fn panel_words(&self, page: &mut Page, panel: usize, title: &str, numbers: &str) {

@@ -5,6 +5,7 @@ use image::{GrayImage, RgbImage};
 use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::export::pixels::{common_white, tone_mapped};
 use crate::job::proof::Proof;
+use crate::job::wall_pictures::wall_page;
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::recipe::{Recipe, Seen};
@@ -50,11 +51,16 @@ impl ProofPictures {
             let image = as_drawn(&milled.measurement.whole.lit_image(), recipe);
             drawn.beside(&image, &milled.verdict, &how)
         });
-        Self {
-            comparison: drawn.beside(&simulated, &proof.verdict, ""),
-            simulated: tone_mapped(&simulated, common_white(&drawn.sharp)),
-            milled,
+        let simulated_picture = tone_mapped(&simulated, common_white(&drawn.sharp));
+        if let Some(wall) = &proof.wall {
+            let how = recipe.design.sheet.cutter.map_or("polished".into(), |cutter| format!("cut by {cutter}"));
+            return Self {
+                comparison: wall_page(wall, &wall.designed, view, "", footer),
+                simulated: simulated_picture,
+                milled: wall.milled.as_ref().map(|light| wall_page(wall, light, view, &how, footer)).or(milled),
+            };
         }
+        Self { comparison: drawn.beside(&simulated, &proof.verdict, ""), simulated: simulated_picture, milled }
     }
 }
 
@@ -93,7 +99,7 @@ impl Drawn<'_> {
                 format!("{}   W1 {:.2}°", figures(MAIN_BLUR), verdict.w1.value),
             ],
         };
-        ComparisonPage { rows: &[above, below], view, heading: "", footer: self.footer }.picture()
+        ComparisonPage { rows: &[above, below], view, on_wall: None, heading: "", footer: self.footer }.picture()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use facetmill::job::pictures::rays;
+use facetmill::memory::said;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
@@ -148,7 +149,8 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
     }
     if let Some(near) = &report.design.near {
         let focus = format!("{:.0} mm", near.focus_mm);
-        table.push(row("focal length", focus, "of the bowl: 1/f = 1/lamp + 1/wall"));
+        let sag = report.on_wall.as_ref().map_or(String::new(), |wall| format!(", {:.3} mm deep", wall.sag_mm));
+        table.push(row("focal length", focus, format!("of the bowl{sag}: 1/f = 1/lamp + 1/wall")));
         let method = near.method.split(':').next().unwrap_or_default();
         table.push(row("lamp and wall", method, near.method.split_once(": ").map_or("", |(_, why)| why)));
     }
@@ -225,6 +227,7 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         row("design", about(report.design_cpu_seconds_about), "of CPU time"),
         row("proof", about(proof), sent),
         row("files", about(report.files_cpu_seconds_about), "mostly for pictures"),
+        row("memory", format!("about {}", said(report.memory_bytes_about)), "at once, at the most"),
     ];
     if let Some(share) = report.least_stray_share {
         let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";
@@ -241,7 +244,6 @@ fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
     let mut table = vec![
         row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
         row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
-        row("focal length", format!("{:.0} mm", facts.focus_mm), format!("a bowl {:.3} mm deep", facts.sag_mm)),
     ];
     let mut scores = |name: &str, scores: &WallScores| {
         let eye = percent(figure(scores, "eye"));
@@ -272,6 +274,13 @@ fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
     if let Some(cells) = &facts.cells_tv {
         let meaning = format!("misplaced by the worst cell alone, {} on average", percent(cells.mean));
         table.push(row("one cell", percent(cells.largest), meaning));
+    }
+    if let Some(patch) = &facts.diffraction {
+        let meaning = format!(
+            "the smallest patches that count; they spread light over {:.1} mm: likeness {:.3} to that eye if all did",
+            patch.its_spread_mm, patch.ssim_eye_if_all_spread
+        );
+        table.push(row("diffraction", format!("{:.3} mm", patch.smallest_patch_mm), meaning));
     }
     if let Some(miss) = facts.mirror_miss_mm.filter(|miss| *miss > 1.0) {
         table.push(row(

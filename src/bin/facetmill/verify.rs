@@ -7,7 +7,8 @@ use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
 use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
-use facetmill::picture::{self, Picture};
+use facetmill::memory::Need;
+use facetmill::picture::Picture;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
@@ -21,7 +22,7 @@ use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
 use facetmill::verify::rim::OverRim;
 use facetmill::verify::score::blurred_scores;
-use facetmill::verify::tally::Measurement;
+use facetmill::verify::tally::{self, Measurement};
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
 
 use crate::args::VerifyArgs;
@@ -47,19 +48,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
     recipe.name_picture(&path);
-    if let Some(file) = &args.scene {
-        recipe.scene.room = Some(inputs::room(file)?);
-    }
-    let mut recipe = args.settings.implied(recipe)?;
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
-    if recipe.is_near() && args.mount.is_some() {
-        return Err(Failure::Usage(
-            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
-        ));
-    }
+    let mut recipe = in_its_scene(args, recipe)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -72,10 +61,13 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
+    let limit = args.running.memory();
+    let pixels = Measuring::default().resolution.pow(2);
+    let image = Need::new(tally::bytes(pixels), "the image of the light", "decimate the plate's mesh");
     let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
     let margin = args.margin.unwrap_or(border);
-    let opened = plates::open(&stl, margin, &args.placing)?;
-    let picture = picture::read(&path, &recipe.reading())?;
+    let opened = plates::open(&stl, margin, &args.placing, (limit, image))?;
+    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
     let setup = match (args.mount, mount) {
         (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
@@ -116,7 +108,30 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         more: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
-    match report.at_most {
+    within_limit(report.at_most)
+}
+
+/// The recipe in the scene that the flags say, if lamp and plate can stand so.
+fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
+    Ok(recipe)
+}
+
+/// Whether no more light is misplaced than was allowed, if a limit was given.
+fn within_limit(allowed: Option<Allowed>) -> Result<(), Failure> {
+    match allowed {
         Some(allowed) if !allowed.kept => Err(Failure::Beyond(format!(
             "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
             percent(allowed.tv_incident),

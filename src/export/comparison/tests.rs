@@ -13,7 +13,7 @@ fn row(target: &Raster, simulated: &Raster) -> Comparison {
 }
 
 fn picture(rows: &[Comparison], view: &View) -> RgbImage {
-    ComparisonPage { rows, view, heading: "", footer: "" }.picture()
+    ComparisonPage { rows, view, on_wall: None, heading: "", footer: "" }.picture()
 }
 
 #[test]
@@ -83,8 +83,13 @@ fn words_stay_on_the_page_and_nothing_panics() {
         let wordy = Comparison { titles: each(), numbers: each(), ..silent.clone() };
         let footer = format!("{long}\n").repeat(12);
         for view in [&view(), &wide, &View::new(Projection::Equidistant, 0.0, DVec3::Z)] {
-            let told = ComparisonPage { rows: &[wordy.clone(), wordy.clone()], view, heading: &long, footer: &footer };
-            for page in [picture(std::slice::from_ref(&silent), view), told.picture(), picture(&[], view)] {
+            let rows = [wordy.clone(), wordy.clone()];
+            let told = ComparisonPage { rows: &rows, view, on_wall: None, heading: &long, footer: &footer };
+            let on_wall = ComparisonPage { on_wall: Some(364.0), ..told };
+            assert_ne!(on_wall.picture(), told.picture());
+            for page in
+                [picture(std::slice::from_ref(&silent), view), told.picture(), on_wall.picture(), picture(&[], view)]
+            {
                 let (w, h) = page.dimensions();
                 let edge = |x, y| x == 0 || y == 0 || x == w - 1 || y == h - 1;
                 assert!(page.enumerate_pixels().all(|(x, y, p)| *p == PAGE || !edge(x, y)));
