@@ -196,6 +196,7 @@ impl Stages {
                     bar.set_position((1000.0 * done) as u64);
                 }
             }
+            _ => {}
         }
     }
 
