@@ -58,8 +58,9 @@
 //!    stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
 //!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
-//!    for its light at a place. [`setup`] ties light, image and plate together: which slope lights which point of the
-//!    image. [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
+//!    for its light at a place. [`scene`] has lamp, plate and wall in a room, in millimetres. [`setup`] is the far scene,
+//!    light, image and plate tied together: which slope lights which point of the image; [`near`]
+//!    says what a lamp and a wall nearby change of it. [`brdf`] is what metal and paint do to light: Fresnel, measured metals, microfacet lobes.
 //! 3. **Drawing.** [`picture`] reads a file into linear light on a square.
 //!    [`highlight`] says what the numbers mean and turns them into flux per pixel.
 //! 4. **Wanted slopes.** [`sharpen`] makes up for what lamp and metal will blur; [`distribution`] gives every pixel its
@@ -171,7 +172,11 @@ pub mod raster;
 
 pub mod lamp;
 
+pub mod scene;
+
 pub mod setup;
+
+pub mod near;
 
 pub mod brdf;
 

@@ -24,6 +24,8 @@ pub enum Stage {
     Sharpening,
     /// A sheet is shaped.
     Sculpting,
+    /// A sheet is led over the whole plate to where its light lands on the wall.
+    Room,
     /// Facets are drawn from the slopes wanted.
     Sampling,
     /// Facets are put in their places.
@@ -63,6 +65,7 @@ impl Stage {
             Self::Distribution => "distribution",
             Self::Sharpening => "sharpening",
             Self::Sculpting => "sculpting",
+            Self::Room => "room",
             Self::Sampling => "sampling",
             Self::Arrangement => "arrangement",
             Self::Heights => "heights",
@@ -87,6 +90,7 @@ impl Stage {
             Self::Distribution => "reading slopes off the highlight",
             Self::Sharpening => "sharpening what lamp and metal will blur",
             Self::Sculpting => "sculpting the relief",
+            Self::Room => "fitting it to lamp and wall",
             Self::Sampling => "drawing facets",
             Self::Arrangement => "arranging facets",
             Self::Heights => "raising facets",

@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// How directions are laid out on the image plane.
@@ -31,6 +31,8 @@ pub struct View {
     centre: DVec3,
     e1: DVec3,
     e2: DVec3,
+    /// Of a picture on a wall: from (u, v, 1) to a vector along the direction, and back.
+    plane: Option<[DMat3; 2]>,
 }
 
 impl View {
@@ -38,7 +40,24 @@ impl View {
     pub fn new(projection: Projection, half_field: f64, centre: DVec3) -> Self {
         let (e1, e2) = carried_axes(centre);
         let scale = projection.plane_length(half_field);
-        Self { projection, half_field, scale, centre, e1, e2 }
+        Self { projection, half_field, scale, centre, e1, e2, plane: None }
+    }
+
+    /// The picture on a wall as it is seen from one place: a parallelogram whose middle is `middle` away from there and
+    /// whose rims at u = 1 and v = 1 are `u` and `v` away from its middle; any unit of length. `None` if it is seen
+    /// from the side.
+    ///
+    /// Its projection is [`Screen`](Projection::Screen), and its half field and blurs are those of a screen that stands
+    /// across the direction of its middle at the same distance, with |u| as half of its width.
+    pub fn onto_plane(middle: DVec3, u: DVec3, v: DVec3) -> Option<Self> {
+        let (centre, scale) = (middle.normalize_or_zero(), u.length() / middle.length());
+        let outward = DMat3::from_cols(u, v, middle);
+        let volume = outward.determinant().abs();
+        let seen = volume > 1e-9 * u.length() * v.length() * middle.length() && volume.is_finite();
+        let (e1, e2) = carried_axes(centre);
+        let (projection, half_field) = (Projection::Screen, scale.atan());
+        let plane = Some([outward, outward.inverse()]);
+        seen.then_some(Self { projection, half_field, scale, centre, e1, e2, plane })
     }
 
     /// The projection's kind.
@@ -58,6 +77,10 @@ impl View {
 
     /// Image position of direction `o`, whether or not it falls inside [-1, 1]²; `None` where the projection has none.
     pub fn forward(&self, o: DVec3) -> Option<DVec2> {
+        if let Some([_, back]) = self.plane {
+            let at = back * o;
+            return (at.z * self.plane_distance() > 1e-9).then(|| at.truncate() / at.z);
+        }
         let (a, b, w) = (o.dot(self.e1), o.dot(self.e2), o.dot(self.centre));
         let plane = match self.projection {
             Projection::Orthographic if o.z > 0.0 => o.truncate() - self.centre.truncate(),
@@ -74,6 +97,9 @@ impl View {
 
     /// Direction seen at image position `uv`; `None` where no direction projects there.
     pub fn inverse(&self, uv: DVec2) -> Option<DVec3> {
+        if let Some([outward, _]) = self.plane {
+            return Some((outward * uv.extend(1.0)).normalize());
+        }
         let plane = uv * self.scale;
         match self.projection {
             Projection::Orthographic => {
@@ -93,6 +119,10 @@ impl View {
 
     /// dω/(du dv), steradians per unit of image area; zero where no direction projects.
     pub fn solid_angle_density(&self, uv: DVec2) -> f64 {
+        if let Some([outward, _]) = self.plane {
+            // The triple product of both sides and the way is area times foreshortening times distance.
+            return outward.determinant().abs() / (outward * uv.extend(1.0)).length().powi(3);
+        }
         let plane = uv * self.scale;
         let density = match self.projection {
             Projection::Orthographic => self.inverse(uv).map_or(0.0, |o| 1.0 / o.z.max(1e-9)),
@@ -101,6 +131,11 @@ impl View {
             Projection::Equidistant => sinc(plane.length()),
         };
         density * self.scale * self.scale
+    }
+
+    /// From the place that looks to the middle of a picture on a wall.
+    fn plane_distance(&self) -> f64 {
+        self.plane.map_or(1.0, |[outward, _]| outward.z_axis.length())
     }
 
     /// Standard deviation, in pixels of an image `resolution` pixels wide, of a blur of `angle` radians at the image centre.

@@ -8,6 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::lamp::{DistantLamp, Extent};
 use crate::projection::{Projection, View, carried_axes};
+use crate::scene::Scene;
 use crate::slope::{Slope, direction, flat_mirror, mirror};
 
 /// One distant lamp and the highlight image around its mirror direction: the far scene, its viewers endlessly far away.
@@ -32,6 +33,12 @@ impl Setup {
     pub fn under(lamp: DistantLamp, projection: Projection, half_field: f64) -> Self {
         let view = View::new(projection, half_field, flat_mirror(lamp.direction));
         Self { lamp, view, mount: DMat3::IDENTITY }
+    }
+
+    /// The far scene that `scene` is to the plate's middle: its lamp and its picture, as they are seen from there. `None`
+    /// if the picture is seen from the side.
+    pub fn from_middle(scene: &Scene) -> Option<Self> {
+        Some(Self { lamp: scene.lamp_from_middle(), view: scene.view()?, mount: DMat3::IDENTITY })
     }
 
     /// The same light and image, the plate's normal turned toward `normal` (unit, in the drawing's frame)

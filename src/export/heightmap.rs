@@ -38,6 +38,9 @@ pub struct HeightScale {
     pub lower_left_mm: [f64; 2],
     /// Where the plate's origin lies, in words.
     pub origin: String,
+    /// What the shop has to know of the plate's rim, in words, if it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim: Option<String>,
 }
 
 impl HeightScale {
@@ -81,6 +84,7 @@ pub fn height_map(relief: &FacetedRelief, pixels_per_side_max: usize) -> HeightM
         row_order: "top row is highest y (image convention)".to_owned(),
         lower_left_mm: [low.x, low.y],
         origin: "lower-left corner of the optical area is x = y = 0; x right, y up".to_owned(),
+        rim: None,
     };
     HeightMap { image, sidecar }
 }

@@ -4,7 +4,8 @@ use glam::DVec2;
 use thiserror::Error;
 
 use crate::relief::mesh::Mesh;
-use crate::relief::periodic::PeriodicRelief;
+use crate::relief::open::NodeGrid;
+use crate::relief::rim::Rim;
 
 /// Least number of single-precision steps between nodes: rounded by half a step each, they stay in order and their
 /// distance changes by an eighth at worst.
@@ -14,8 +15,8 @@ const LEAST_STEPS: f64 = 8.0;
 /// slope. It turns light by 0.011°, a fortieth of the finest blur in reports.
 const WORST_SLOPE: f64 = 1e-4;
 
-/// The solid body under `relief`, with a rim `rim` mm wide level with its lowest point, whose flat base lies
-/// `thickness` mm below that.
+/// The solid body under `relief`, with a rim that starts level with its lowest point (a width in mm is a flat one),
+/// whose flat base lies `thickness` mm below the lowest point of both.
 ///
 /// Vertices are shared, every edge has two triangles, and nothing inside the plate is vertical; with a rim, a wall
 /// stands around the relief, without one the sides do.
@@ -23,11 +24,12 @@ const WORST_SLOPE: f64 = 1e-4;
 /// # Errors
 /// When the plate is too large for its details in single precision, the thickness is not positive, a height is not
 /// finite, or the body outgrows the 32-bit counts of an STL file.
-pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<Mesh, SheetError> {
+pub fn sheet_solid(relief: &impl NodeGrid, thickness: f64, rim: impl Into<Rim>) -> Result<Mesh, SheetError> {
+    let rim = rim.into();
     let [nx, ny] = relief.plate_nodes();
     let (low, high) = relief.height_range();
-    let base = low - thickness;
-    if !(relief.heights.iter().all(|z| z.is_finite()) && low.is_finite() && high.is_finite()) {
+    let base = low - rim.depth() - thickness;
+    if !((0..nx * ny).all(|k| relief.node(k % nx, k / nx).z.is_finite()) && low.is_finite() && high.is_finite()) {
         return Err(SheetError::NotFinite);
     }
     if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
@@ -37,7 +39,7 @@ pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<
     let size = relief.size();
     let ulp = |v: f64| f64::from((v as f32).next_up() - v as f32);
     let reach = high.abs().max(base.abs());
-    if ulp(size.max_element() + rim) * LEAST_STEPS > step || ulp(reach) > WORST_SLOPE * step {
+    if ulp(size.max_element() + rim.width) * LEAST_STEPS > step || ulp(reach) > WORST_SLOPE * step {
         return Err(SheetError::Fine { step });
     }
     let wanted = 2 * (nx - 1) as u64 * (ny - 1) as u64 + 16 * (nx + ny) as u64;
@@ -56,9 +58,12 @@ pub fn sheet_solid(relief: &PeriodicRelief, thickness: f64, rim: f64) -> Result<
         }
     }
     let mut loop_above = border(nx, ny);
-    if rim > 0.0 {
+    if rim.width > 0.0 {
         loop_above = lowered(&mut mesh, &loop_above, low as f32 + 0.0);
-        loop_above = widened(&mut mesh, &loop_above, rim, size);
+        loop_above = match rim.fall > 0.0 {
+            false => widened(&mut mesh, &loop_above, rim.width, size),
+            true => sloped(&mut mesh, &loop_above, rim, [nx - 1, ny - 1]),
+        };
     }
     let loop_below = lowered(&mut mesh, &loop_above, base as f32 + 0.0);
     let middle = (0.5 * size).extend(base).to_array().map(|v| v as f32 + 0.0);
@@ -111,6 +116,31 @@ fn widened(mesh: &mut Mesh, inner: &[u32], width: f64, size: DVec2) -> Vec<u32> 
     outer
 }
 
+/// A falling band around a counter-clockwise loop of `squares` squares a side that starts at the lower left corner; the
+/// loop at its outer side. Nodes move straight outward; a corner becomes three, so that each side is one plane and each
+/// corner another.
+fn sloped(mesh: &mut Mesh, inner: &[u32], rim: Rim, squares: [usize; 2]) -> Vec<u32> {
+    let corners = [0, squares[0], squares[0] + squares[1], 2 * squares[0] + squares[1]];
+    // Outward from the side that ends in a corner, and from the one that begins there.
+    let outward = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
+    let (mut from, mut to) = (Vec::new(), Vec::new());
+    for (k, &v) in inner.iter().enumerate() {
+        let side = corners.partition_point(|&corner| corner <= k) - 1;
+        let (before, after) = (outward[(side + 3) % 4], outward[side]);
+        let ways = if corners[side] == k { vec![before, before + after, after] } else { vec![after] };
+        for way in ways {
+            let [x, y, z] = mesh.vertices[v as usize].map(f64::from);
+            let at = DVec2::new(x, y) + rim.width * way;
+            let fallen = z - rim.width * rim.fall * (way.x.abs() + way.y.abs());
+            mesh.vertices.push([at.x as f32 + 0.0, at.y as f32 + 0.0, fallen as f32 + 0.0]);
+            from.push(v);
+            to.push(mesh.vertices.len() as u32 - 1);
+        }
+    }
+    band(mesh, &from, &to);
+    to
+}
+
 /// Two triangles between each pair of neighbours of two loops; what has no area is left out.
 fn band(mesh: &mut Mesh, from: &[u32], to: &[u32]) {
     for k in 0..from.len() {
@@ -159,6 +189,7 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
+    use crate::relief::periodic::PeriodicRelief;
     use crate::relief::recognise::{Recognised, recognise};
     use crate::slope::Slope;
 
@@ -186,12 +217,15 @@ mod tests {
 
     #[test]
     fn bodies_are_closed_and_as_large_as_their_prisms() {
-        for (cells, tilt, rim) in
-            [([1, 1], Slope::FLAT, 0.0), ([2, 3], Slope::new(0.05, -0.1), 0.0), ([2, 1], Slope::new(0.0, 0.1), 0.7)]
-        {
-            let relief = relief(cells, tilt);
+        for (cells, tilt, width, fall) in [
+            ([1, 1], Slope::FLAT, 0.0, 0.0),
+            ([2, 3], Slope::new(0.05, -0.1), 0.0, 0.0),
+            ([2, 1], Slope::new(0.0, 0.1), 0.7, 0.0),
+            ([2, 1], Slope::new(0.0, 0.1), 0.7, 0.3),
+        ] {
+            let (relief, rim) = (relief(cells, tilt), Rim { width, fall });
             let mesh = sheet_solid(&relief, 2.0, rim).unwrap();
-            let (low, _) = relief.height_range();
+            let low = relief.height_range().0 - rim.depth();
             let [nx, ny] = relief.plate_nodes();
             let prisms = (0..(nx - 1) * (ny - 1)).map(|k| {
                 let (i, j) = (k % (nx - 1), k / (nx - 1));
@@ -201,11 +235,13 @@ mod tests {
                 (rising + falling + rising.max(falling)) / 6.0 * relief.step().element_product()
             });
             let size = relief.size();
-            let rim_area = (size + 2.0 * rim).element_product() - size.element_product();
-            let expected = prisms.sum::<f64>() + 2.0 * rim_area;
+            // Sides are half as much higher than the base's thickness as they fall, corners as they fall once.
+            let (sides, corners) = (2.0 * width * (size.x + size.y), 4.0 * width * width);
+            let above = rim.depth() + 2.0 - 0.5 * fall * width;
+            let expected = prisms.sum::<f64>() + sides * above + corners * (above - 0.5 * fall * width);
             assert!((closed_volume(&mesh) / expected - 1.0).abs() < 1e-5, "{cells:?}");
             let (from, to) = mesh.bounds();
-            assert!((to - from).truncate().distance(size + 2.0 * rim) < 1e-5);
+            assert!((to - from).truncate().distance(size + 2.0 * width) < 1e-5);
         }
     }
 

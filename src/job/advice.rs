@@ -2,8 +2,10 @@
 
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::on_wall::WallProof;
+use super::proof::RimProof;
 use crate::distribution::SlopeDistribution;
-use crate::recipe::{Recipe, SurfaceKind};
+use crate::recipe::{BorderFinish, Recipe, SurfaceKind};
 use crate::sharpen::SCORED_AT;
 use crate::verify::verdict::Verdict;
 
@@ -50,7 +52,7 @@ fn beyond_cap(recipe: &Recipe, design: &Design) -> Option<String> {
 /// A highlight off centre, whose mean slope makes the relief high or its walls large.
 fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
     let costs = mean_slope_costs(recipe, &design.distribution);
-    let (low, high) = design.relief.height_range();
+    let (low, high) = design.relief.optical_heights();
     if costs <= 0.5 || costs <= 0.5 * (high - low) {
         return None;
     }
@@ -101,6 +103,38 @@ fn lost_light(design: &Design, verdict: &Verdict) -> Option<String> {
             "{} of the light is blocked and {} bounces twice, on walls and valleys: --arrange transport has the fewest.",
             percent(blocked),
             percent(twice)
+        )
+    })
+}
+
+/// What the rim does to the picture, or would do if it were not left dull.
+pub(super) fn about_rim(recipe: &Recipe, rim: &RimProof) -> Option<String> {
+    let (width, share) = (recipe.plate.border, percent(rim.into_picture.value));
+    let lit = percent(rim.lit);
+    match recipe.border_finish() {
+        BorderFinish::Matt if rim.into_picture.value > 0.002 => Some(format!(
+            "Leave the rim of {width} mm dull (blasted, sanded or blackened): polished it would throw {share} as much \
+             light as the relief into the picture. --border-finish sloped makes one that may shine."
+        )),
+        BorderFinish::Polished => Some(format!(
+            "The polished rim of {width} mm throws {share} as much light as the relief into the picture: \
+             --border-finish matt leaves it dull, sloped sends its light past the picture."
+        )),
+        BorderFinish::Sloped(_) if rim.into_picture.value > 0.002 => Some(format!(
+            "The sloped rim, which gets {lit} as much light as the relief, throws {share} into the picture: a steeper \
+             one (--border-finish sloped:DEG) throws less."
+        )),
+        BorderFinish::Matt | BorderFinish::Sloped(_) => None,
+    }
+}
+
+/// That the lamp stands in the way of the picture's light.
+pub(super) fn lamp_in_the_beam(wall: &WallProof) -> Option<String> {
+    (wall.stopped_by_lamp > 0.001).then(|| {
+        format!(
+            "The lamp stands between plate and picture: one of 30 mm across, or as large as it is, stops {} of the light, a \
+             hand there more; a lamp aslant (--light 30,90) stands beside the beam.",
+            percent(wall.stopped_by_lamp)
         )
     })
 }

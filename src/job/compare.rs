@@ -50,7 +50,7 @@ impl FacetComparison {
 
 /// Compares `plate`, which `recipe` made and `proof` judged, with the facets of the same recipe.
 ///
-/// `None` if it is of facets itself, if it is to be polished, which facets are not made for, or if there are no such facets.
+/// `None` if it is of facets itself, if it is to be polished, which facets are not made for, if lamp or wall are near, or if there are no such facets.
 pub fn beside_facets(
     recipe: &Recipe,
     light: &Raster,
@@ -58,7 +58,7 @@ pub fn beside_facets(
     proof: &Proof,
     progress: &Progress,
 ) -> Result<Option<FacetComparison>, Cancelled> {
-    if plate.sheet.is_none() || recipe.design.sheet.polish.is_some() {
+    if plate.sheet.is_none() || recipe.is_near() || recipe.design.sheet.polish.is_some() {
         return Ok(None);
     }
     progress.stage(Stage::Comparison);
@@ -90,7 +90,12 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
         Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
     };
     Ok(measurement.and_then(|measurement| {
-        let (image, up) = (measurement.whole.share_image(), measurement.whole.up());
+        // The rim is the same.
+        let measurement = match &proof.rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
+        let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
         let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians())?;
         Some(Score { misplaced: scores.tv_incident, ssim: scores.ssim })
     }))

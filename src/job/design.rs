@@ -1,6 +1,7 @@
 //! From a recipe and its picture to a plate.
 
 use super::clock::Clock;
+use super::near::NearDesign;
 use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
@@ -15,6 +16,7 @@ use crate::raster::Raster;
 use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
+use crate::relief::open::NodeGrid;
 use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::checkpoint::Checkpoint;
 use crate::sculpt::stages::{SculptError, Sheet, TooNarrow, least_stray, sculpt};
@@ -44,6 +46,8 @@ pub struct Design {
     pub sheet: Option<Sheet>,
     /// Light that its cutter cannot keep from straying, if it is for one.
     pub least_stray: Option<Unavoidable>,
+    /// How it follows lamp and wall, if they are near.
+    pub near: Option<NearDesign>,
     /// The relief with its rim; of a continuous one, a plane for each square of its grid.
     pub relief: FacetedRelief,
     /// The closed solid.
@@ -101,7 +105,7 @@ pub(crate) fn design_with_checkpoints(
         }
     };
     progress.check()?;
-    let Shaped { facets, sheet, least_stray, relief, mesh, ended_early } = made;
+    let Shaped { facets, sheet, least_stray, near, relief, mesh, ended_early } = made;
     let seconds = clock.into_laps();
     Ok(Design {
         below_plate: highlight.below_plate,
@@ -110,6 +114,7 @@ pub(crate) fn design_with_checkpoints(
         facets,
         sheet,
         least_stray,
+        near,
         relief,
         mesh,
         ended_early,
@@ -153,6 +158,7 @@ struct Shaped {
     facets: Option<Facets>,
     sheet: Option<Sheet>,
     least_stray: Option<Unavoidable>,
+    near: Option<NearDesign>,
     relief: FacetedRelief,
     mesh: Mesh,
     ended_early: bool,
@@ -185,11 +191,24 @@ fn continuous(
     let ended_early = sheet.stopped_early().is_some();
     clock.lap(Stage::Sculpting);
     shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
+    let mut near = NearDesign::new(recipe, distribution);
+    if let Some(near) = &mut near {
+        progress.stage_with(Stage::Room, &near.why);
+        near.finish(recipe, distribution, &sheet, progress);
+        progress.check()?;
+        clock.lap(Stage::Room);
+        shallow_enough(near.depth(), recipe.design.sheet.max_depth)?;
+    }
+    let ended_early = ended_early || near.is_some() && progress.is_to_finish();
     progress.stage(Stage::Solid);
-    let mesh = sheet_solid(&sheet.relief, recipe.plate.thickness, recipe.plate.border)?;
-    let relief = sheet.relief.faceted().with_rim(recipe.plate.border);
+    let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
+    let (mesh, relief) = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
+        Some(near) => (sheet_solid(&near.relief, thickness, rim)?, near.relief.faceted()),
+        None => (sheet_solid(&sheet.relief, thickness, rim)?, sheet.relief.faceted()),
+    };
+    let relief = relief.with_rim(rim);
     clock.lap(Stage::Solid);
-    Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, relief, mesh, ended_early })
+    Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, near, relief, mesh, ended_early })
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
@@ -219,21 +238,31 @@ fn faceted(
     let ended_early = progress.is_to_finish();
 
     progress.stage(Stage::Heights);
-    let (periodic, heights) = match recipe.heights() {
-        Heights::Free => (false, least_squares(&grid, pitch, false)),
-        Heights::Cyclic => (true, least_squares(&grid, pitch, true)),
-        Heights::Weyrich2009 => (true, weyrich2009(&grid, pitch)),
+    let near = NearDesign::new(recipe, distribution);
+    let [turned, above] = match &near {
+        Some(near) => near.facets(&distribution.setup, &grid, pitch),
+        None => [grid.slopes.clone(), grid.slopes.clone()],
     };
-    let steps = steps(&grid, &heights, pitch, periodic);
+    let (grid, above) = (SlopeGrid { slopes: turned, ..grid }, SlopeGrid { slopes: above, ..grid });
+    let (periodic, mut heights) = match recipe.heights() {
+        Heights::Free => (false, least_squares(&above, pitch, false)),
+        Heights::Cyclic => (true, least_squares(&above, pitch, true)),
+        Heights::Weyrich2009 => (true, weyrich2009(&above, pitch)),
+    };
+    if let Some(near) = &near {
+        heights.iter_mut().zip(near.facet_bases(&grid, pitch)).for_each(|(height, base)| *height += base);
+    }
+    let steps = steps(&grid, &heights, pitch, periodic && near.is_none());
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
-    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets).with_rim(recipe.plate.border);
+    let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets);
+    let relief = relief.with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);
     let mesh = solid(&relief, recipe.plate.thickness)?;
     clock.lap(Stage::Solid);
     let facets = Some(Facets { grid, steps });
-    Ok(Shaped { facets, sheet: None, least_stray: None, relief, mesh, ended_early })
+    Ok(Shaped { facets, sheet: None, least_stray: None, near, relief, mesh, ended_early })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

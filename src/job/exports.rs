@@ -181,11 +181,16 @@ impl<'a> Source<'a> {
     }
 
     fn map(&self) -> &HeightMap {
-        self.map.get_or_init(|| height_map(&self.product.design.relief, HEIGHT_MAP_SIDE))
+        self.map.get_or_init(|| {
+            let mut map = height_map(&self.product.design.relief, HEIGHT_MAP_SIDE);
+            map.sidecar.rim = self.product.about_rim();
+            map
+        })
     }
 
     fn relief(&self, out: &mut dyn Write) -> io::Result<()> {
-        png(&relief_picture(&self.product.design.relief, &self.product.made_of(), RELIEF_PICTURE_SIDE), out)
+        let made_of: Vec<String> = [self.product.made_of()].into_iter().chain(self.product.about_rim()).collect();
+        png(&relief_picture(&self.product.design.relief, &made_of.join(", "), RELIEF_PICTURE_SIDE), out)
     }
 
     fn target(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -9,7 +9,11 @@
 
 pub mod clock;
 
+pub mod near;
+
 pub mod design;
+
+pub mod on_wall;
 
 pub mod proof;
 

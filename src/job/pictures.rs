@@ -44,7 +44,7 @@ impl ProofPictures {
     /// Of `proof`, laid out by `view`; `footer` stands under the pages.
     pub fn new(proof: &Proof, recipe: &Recipe, view: &View, footer: &str) -> Self {
         let see = |raster: &Raster| as_seen(raster, recipe, view);
-        let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.share_image()));
+        let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.lit_image()));
         let compare = |simulated: &Raster, verdict: &Verdict, how: &str| {
             let captions = captions(verdict, how, footer);
             let blur = MAIN_BLUR.to_radians();
@@ -52,7 +52,7 @@ impl ProofPictures {
         };
         let milled = proof.milled.as_ref().map(|milled| {
             let how = recipe.design.sheet.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
-            compare(&see(&milled.measurement.whole.share_image()), &milled.verdict, &how)
+            compare(&see(&milled.measurement.whole.lit_image()), &milled.verdict, &how)
         });
         Self {
             comparison: compare(&simulated, &proof.verdict, ""),

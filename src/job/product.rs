@@ -8,7 +8,7 @@ use super::compare::FacetComparison;
 use super::design::Design;
 use super::proof::Proof;
 use crate::export::pixels::encode_png;
-use crate::recipe::Recipe;
+use crate::recipe::{BorderFinish, Recipe};
 use crate::report::design::made_of;
 
 /// What a file holds, written when it is asked for.
@@ -33,11 +33,23 @@ impl Product {
         made_of(&self.recipe, self.design.sheet.as_ref().map(|sheet| sheet.relief.cells))
     }
 
+    /// What the shop has to know of the rim, in words, if there is one.
+    pub fn about_rim(&self) -> Option<String> {
+        let Recipe { plate, .. } = &self.recipe;
+        let fall = self.recipe.rim(&self.design.distribution.setup).fall.atan().to_degrees();
+        let finish = match self.recipe.border_finish() {
+            BorderFinish::Matt => "flat, to be left dull (blasted, sanded or blackened)".to_owned(),
+            BorderFinish::Polished => "flat, polished with the rest".to_owned(),
+            BorderFinish::Sloped(_) => format!("polished, falling outward by {fall:.2}°"),
+        };
+        (plate.border > 0.0).then(|| format!("rim of {} mm: {finish}", plate.border))
+    }
+
     /// The plate in one line, for captions.
     pub(super) fn in_one_line(&self) -> String {
         let Recipe { plate, light, highlight, .. } = &self.recipe;
         let [width, height] = plate.size;
-        let (low, high) = self.design.relief.height_range();
+        let (low, high) = self.design.relief.optical_heights();
         format!(
             "{width} × {height} mm, {}, relief {:.2} mm   ·   light at {}°, {}°   ·   half field {}°",
             self.made_of(),

@@ -1,11 +1,12 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
 use super::design::{Design, DesignError};
+use super::on_wall::{WallProof, prove_in_room};
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
-use crate::recipe::{Cutter, Recipe};
+use crate::recipe::{BorderFinish, Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::periodic::PeriodicRelief;
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
@@ -13,12 +14,14 @@ use crate::sculpt::milled_facets::milled_facets;
 use crate::sculpt::stages::Sheet;
 use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
+use crate::trace::Surface;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
 use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
+use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
-use crate::verify::verdict::Verdict;
+use crate::verify::verdict::{Figure, Verdict};
 use crate::verify::windows::{Likeness, change, likeness};
 
 /// Light sent over a design, and what is said of it.
@@ -34,6 +37,23 @@ pub struct Proof {
     pub sheet: Option<SheetProof>,
     /// The same of the plate as its cutter leaves it, if one is named.
     pub milled: Option<MilledProof>,
+    /// Light of the rim, if there is one.
+    pub rim: Option<RimProof>,
+    /// Light on the wall, in a scene that has one.
+    pub wall: Option<WallProof>,
+}
+
+/// Light of the rim around the optical area, as shares of the light on that area.
+#[derive(Clone, Debug)]
+pub struct RimProof {
+    /// It, as if the rim were polished; the cutter's fillet at the relief's foot is left out.
+    pub light: RimLight,
+    /// Light that falls on the rim.
+    pub lit: f64,
+    /// What of it would fall into the picture.
+    pub into_picture: Figure,
+    /// Whether the rim is polished, so that this counts in all figures and pictures.
+    pub counts: bool,
 }
 
 /// How a sheet looks in parts, and to diffraction; after its cutter, if it was designed for one.
@@ -61,26 +81,39 @@ pub struct MilledProof {
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
+    if let Some(scene) = recipe.scene().ok().flatten() {
+        return prove_in_room(recipe, &scene, light, design, progress);
+    }
     progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    let task = PlateAndRim { mirrored, width: recipe.plate.border };
+    let (measurement, rim) = match &design.sheet {
+        None => task.on(&GridSurface::new(&design.relief)),
+        // The triangles themselves, as they stand in the file.
+        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(task),
+    };
+    let rim = rim.zip(measurement.as_ref()).map(|(light, measurement)| RimProof {
+        counts: recipe.border_finish() != BorderFinish::Matt,
+        ..RimProof::dull(light, measurement)
+    });
     let judged = |measurement: Option<Measurement>| {
         progress.check()?;
         let measurement = measurement.ok_or(DesignError::NoLight)?;
         progress.stage(Stage::Scoring);
+        let measurement = match &rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
         let verdict = Verdict::new(&measurement, &target, setup.view(), progress);
         progress.check()?;
         let verdict = verdict.ok_or(DesignError::NoLight)?;
         Ok::<_, DesignError>((measurement, verdict))
     };
-    let (measurement, verdict) = judged(match &design.sheet {
-        None => mirrored.on(&GridSurface::new(&design.relief)),
-        // The triangles themselves, as they stand in the file.
-        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(mirrored),
-    })?;
+    let (measurement, verdict) = judged(measurement)?;
     let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, sheet, progress));
     progress.check()?;
     let sheet = match &made {
@@ -94,7 +127,29 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet, milled })
+    Ok(Proof { target, measurement, verdict, sheet, milled, rim, wall: None })
+}
+
+impl RimProof {
+    /// A rim that counts as dark, around the optical area of `measurement`.
+    pub fn dull(light: RimLight, measurement: &Measurement) -> Self {
+        Self { lit: light.lit(measurement), into_picture: light.in_image(measurement), counts: false, light }
+    }
+}
+
+/// Light over the optical area, and over the rim around it if it has a width.
+struct PlateAndRim<'a> {
+    mirrored: Mirrored<'a>,
+    width: f64,
+}
+
+impl Task for PlateAndRim<'_> {
+    type Output = (Option<Measurement>, Option<RimLight>);
+
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        let Self { mirrored, width } = self;
+        (mirrored.on(surface), (width > 0.0).then(|| OverRim { mirrored, width, scene: None }.on(surface)))
+    }
 }
 
 /// A sheet as it is made.

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{advice, facets_are_better, mean_slope_costs};
+use super::advice::{about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::near::NearDesign;
 use super::product::Product;
 use super::proof::{MilledProof, SheetProof};
 use crate::distribution::SlopeDistribution;
@@ -18,6 +19,9 @@ use crate::sculpt::detail::Detail;
 use crate::sculpt::stages::Sheet;
 use crate::sharpen::{SCORED_AT, Sharpening, seen};
 use crate::verify::windows::Misplaced;
+
+/// Blur by the plate's own size up to which the figures of a far design hold, radians.
+const MOST_BLUR: f64 = 0.005;
 
 impl Product {
     /// Everything that is known of it, which was made for `picture`, as `report.json` holds it.
@@ -33,6 +37,8 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     let sheet_proof = proof.as_ref().and_then(|proof| proof.sheet.as_ref());
     let milled = proof.as_ref().and_then(|proof| proof.milled.as_ref());
     let mut said = advice(recipe, design, verdict);
+    said.extend(proof.as_ref().and_then(|proof| about_rim(recipe, proof.rim.as_ref()?)));
+    said.extend(proof.as_ref().and_then(|proof| lamp_in_the_beam(proof.wall.as_ref()?)));
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
     DesignReport {
         program: PROGRAM,
@@ -50,6 +56,9 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
             sharpening: design.sharpening.map(sharpening),
         },
         design: plate(recipe, design, comparison.as_ref()),
+        holds_beyond: (!recipe.is_near()).then(|| holds_beyond(recipe)),
+        on_wall: proof.as_ref().and_then(|proof| proof.wall.as_ref()).map(|wall| wall.facts(recipe)),
+        rim: product.about_rim().map(|for_the_shop| rim(product, for_the_shop)),
         stl: stl(recipe, design),
         designed: verdict.map(Into::into),
         windows_tv_1deg: sheet_proof.map(windows),
@@ -64,7 +73,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
 fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>) -> PlateFacts {
     let Design { distribution, sheet, .. } = design;
     let steps = design.facets.as_ref().map(|facets| facets.steps);
-    let (low, high) = design.relief.height_range();
+    let (low, high) = design.relief.optical_heights();
     let pitch = sheet.as_ref().map_or_else(|| recipe.pitch(), |sheet| sheet.relief.step());
     let mean = distribution.mean;
     let normal = distribution.setup.plate_normal();
@@ -91,6 +100,23 @@ fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>)
         inner_valleys: steps.map(|s| s.inner_valleys),
         seconds: Named::from_iter(design.seconds.iter().copied().chain([total])),
         continuous: sheet.as_ref().map(|sheet| continuous(recipe, design, sheet)),
+        near: design.near.as_ref().map(near),
+    }
+}
+
+/// What is said of lamp and wall nearby.
+fn near(near: &NearDesign) -> NearFacts {
+    let scene = near.field.scene();
+    let finite = |mm: f64| Some(mm).filter(|mm| mm.is_finite());
+    NearFacts {
+        method: near.why.clone(),
+        lamp_distance_mm: finite(scene.lamp_distance()),
+        wall_distance_mm: finite(scene.wall_distance()),
+        focus_mm: scene.focal_length(),
+        sag_mm: near.field.sag(),
+        mirror_miss_mm: scene.mirror_miss(),
+        miss_deg: near.miss,
+        misplaced_by_stage: near.sheet.as_ref().map(|sheet| sheet.misplaced.clone()).unwrap_or_default(),
     }
 }
 
@@ -115,14 +141,38 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
     }
 }
 
+/// A plate S wide that knows neither lamp nor wall is blurred by S (1/a + 1/b): by 0.005 rad, the blur of a third of a
+/// degree at which a picture of 40° begins to suffer, where both are 400 S away, or the wall 200 S under the sun.
+fn holds_beyond(recipe: &Recipe) -> HoldsBeyond {
+    let side = recipe.plate.size[0].max(recipe.plate.size[1]);
+    HoldsBeyond { lamp_and_wall_mm: 2.0 * side / MOST_BLUR, wall_under_sun_mm: side / MOST_BLUR }
+}
+
+fn rim(product: &Product, for_the_shop: String) -> RimFacts {
+    let Product { recipe, design, proof, .. } = product;
+    let light = proof.as_ref().and_then(|proof| proof.rim.as_ref());
+    let counted = |figure: f64| light.map(|rim| if rim.counts { figure } else { 0.0 });
+    RimFacts {
+        width_mm: recipe.plate.border,
+        finish: recipe.border_finish(),
+        slope_deg: recipe.rim(&design.distribution.setup).fall.atan().to_degrees(),
+        for_the_shop,
+        light_on_it: light.map(|rim| rim.lit),
+        into_picture: light.and_then(|rim| counted(rim.into_picture.value)),
+        into_picture_if_polished: light.map(|rim| rim.into_picture.value),
+        error: light.map(|rim| rim.into_picture.error),
+    }
+}
+
 fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
-    let (low, high) = design.relief.height_range();
+    let (low, high) = design.relief.optical_heights();
+    let lowest = design.relief.height_range().0;
     let triangles = design.mesh.triangles.len();
     StlFacts {
         units: "mm",
         triangles,
         bytes: stl_bytes(triangles),
-        z_base_mm: low - recipe.plate.thickness,
+        z_base_mm: lowest - recipe.plate.thickness,
         z_low_mm: low,
         z_high_mm: high,
     }

@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
-use super::{Recipe, SurfaceKind};
+use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
 use crate::sculpt::milled_facets::least_diameter;
 
@@ -15,7 +15,11 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        self.check_scene()?;
         self.check_kind()?;
+        if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
+            return Err(RecipeError::NoBorder);
+        }
         match self.surface() {
             SurfaceKind::Facets => self.check_facets(),
             SurfaceKind::Sheet => self.check_sheet(),
@@ -96,6 +100,9 @@ pub enum RecipeError {
         /// Most possible.
         high: f64,
     },
+    /// Lamp and wall nearby that make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
     /// A setting of one kind of relief beside one of the other.
     #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
     OtherKind {
@@ -106,6 +113,9 @@ pub enum RecipeError {
         /// The kind of the relief.
         kind: SurfaceKind,
     },
+    /// A finish of a rim that is not there.
+    #[error("border-finish is for a plate with a rim: give --border too, or leave it out")]
+    NoBorder,
     /// Facets do not divide into cells.
     #[error(
         "{columns}x{rows} facets do not divide into {cells}x{cells} cells: take --facets {near_columns}x{near_rows}, or other --cells"
@@ -209,7 +219,11 @@ fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
 impl RecipeError {
     /// Whether the settings are sound one by one but no plate can have them together.
     pub fn is_impossible(&self) -> bool {
-        !matches!(self, Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. })
+        match self {
+            Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::Scene(fault) => fault.is_impossible(),
+            _ => true,
+        }
     }
 }
 
@@ -248,6 +262,10 @@ mod tests {
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");
         assert_eq!(named(refused(|r| r.plate.cells = Some(0))), "cells");
+        assert!(refused(|r| r.plate.border_finish = Some(BorderFinish::Polished)).to_string().contains("--border"));
+        let steep =
+            |r: &mut Recipe| (r.plate.border, r.plate.border_finish) = (3.0, Some(BorderFinish::Sloped(Some(70.0))));
+        assert_eq!(named(refused(steep)), "border-finish");
         assert_eq!(named(refused(|r| r.design.seed = u64::MAX)), "seed");
         assert_eq!(
             named(refused(|r| r.design.annealing = Some(Annealing { valleys: f64::NAN, ..Annealing::default() }))),

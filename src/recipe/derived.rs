@@ -1,16 +1,22 @@
 //! What follows from a recipe: what was not given, and what each stage asks for.
 
 use super::{
-    Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Recipe, Seen, SurfaceKind,
+    Arrangement, BorderFinish, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Recipe, Seen,
+    SurfaceKind,
 };
 use crate::brdf::material::{Material, Substance};
 use crate::brdf::microfacet::Lobe;
 use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
 use crate::picture::Reading;
+use crate::relief::rim::Rim;
 use crate::sculpt::plan::{SheetSpec, suitable_grid};
 use crate::setup::Setup;
 use crate::sharpen::BlurKernel;
+
+/// How far a rim throws its light past the picture, degrees, lamp and metal's lobe aside: twice the blur at which pictures
+/// are compared, so that nothing of it shows at their rim.
+const PAST_IMAGE: f64 = 2.0;
 
 impl Recipe {
     /// Facets along x and y: as asked, or 30 each way.
@@ -76,8 +82,36 @@ impl Recipe {
         Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
     }
 
-    /// Light, image and a plate lying flat.
+    /// From the eye to a wall nearby, mm: as asked, or 3 m.
+    pub fn eye_distance(&self) -> f64 {
+        self.verify.eye_distance.unwrap_or(3000.0)
+    }
+
+    /// How the rim is finished: as asked, or left dull.
+    pub fn border_finish(&self) -> BorderFinish {
+        self.plate.border_finish.unwrap_or_default()
+    }
+
+    /// The rim of the plate, as it lies in `setup`.
+    pub fn rim(&self, setup: &Setup) -> Rim {
+        let width = self.plate.border;
+        match self.border_finish() {
+            BorderFinish::Matt | BorderFinish::Polished => width.into(),
+            BorderFinish::Sloped(Some(degrees)) => Rim { width, fall: degrees.to_radians().tan() },
+            BorderFinish::Sloped(None) => {
+                // All but a thousandth of a Gaussian lobe lies within three and a half of its standard deviations.
+                let blur = setup.light_radius() + 3.5 * self.plate.lobe.to_radians();
+                Rim::past_image(setup, width, PAST_IMAGE.to_radians() + blur)
+            }
+        }
+    }
+
+    /// Light, image and a plate lying flat; of lamp and wall nearby what the plate's middle sees of them.
     pub fn setup(&self) -> Setup {
+        let near = self.scene().ok().flatten();
+        if let Some(setup) = near.as_ref().and_then(Setup::from_middle) {
+            return setup;
+        }
         let LightSettings { theta, phi, radius } = self.light;
         let HighlightSettings { projection, half_field, .. } = self.highlight;
         let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);

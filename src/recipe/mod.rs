@@ -1,6 +1,10 @@
 //! Every setting with its default, saved as TOML.
 
+mod border_finish;
+
 mod sections;
+
+mod scene;
 
 mod derived;
 
@@ -13,8 +17,10 @@ mod kind;
 use serde::{Deserialize, Serialize};
 
 pub use crate::cutter::{Cutter, CutterError};
+pub use border_finish::{BorderFinish, BorderFinishError};
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
+pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{
     Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Seen, VerifySettings,
 };
@@ -33,6 +39,9 @@ pub struct Recipe {
     pub highlight: HighlightSettings,
     /// The lamp.
     pub light: LightSettings,
+    /// Lamp and wall nearby, if they are.
+    #[serde(skip_serializing_if = "is_far")]
+    pub scene: SceneSettings,
     /// The plate.
     pub plate: PlateSettings,
     /// How slopes are found, drawn, ordered and raised.
@@ -65,6 +74,10 @@ impl Recipe {
     pub fn from_toml(text: &str) -> Result<Self, RecipeError> {
         toml::from_str(text).map_err(|error| RecipeError::Unreadable(error.message().to_owned(), line_of(text, &error)))
     }
+}
+
+fn is_far(scene: &SceneSettings) -> bool {
+    *scene == SceneSettings::default()
 }
 
 fn line_of(text: &str, error: &toml::de::Error) -> usize {

@@ -3,7 +3,7 @@
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
-use super::SurfaceKind;
+use super::{BorderFinish, SurfaceKind};
 use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
@@ -87,8 +87,11 @@ pub struct PlateSettings {
     pub cells: Option<usize>,
     /// Solid metal under the lowest point, mm.
     pub thickness: f64,
-    /// Flat rim around the optical area, mm.
+    /// Rim around the optical area, mm.
     pub border: f64,
+    /// How that rim is finished; without it, left dull.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub border_finish: Option<BorderFinish>,
     /// Scatter of the polished base metal, degrees: standard deviation, along each axis, of what it adds to the
     /// direction of light mirrored at normal incidence. 0 is a perfect mirror.
     pub lobe: f64,
@@ -111,6 +114,7 @@ impl Default for PlateSettings {
             cells: None,
             thickness: 5.0,
             border: 0.0,
+            border_finish: None,
             lobe: 0.0,
             surface: None,
             grid: None,
@@ -193,16 +197,19 @@ impl Heights {
 }
 
 /// How the plate is proved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct VerifySettings {
     /// Rays sent.
     pub rays: u64,
+    /// From the eye to the wall, mm; without it 3 m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eye_distance: Option<f64>,
 }
 
 impl Default for VerifySettings {
     fn default() -> Self {
-        Self { rays: 2_000_000 }
+        Self { rays: 2_000_000, eye_distance: None }
     }
 }
 

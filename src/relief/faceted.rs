@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
+use super::rim::Rim;
 use crate::slope::Slope;
 
 /// One planar facet over a rectangle of the grid.
@@ -39,21 +40,29 @@ impl FacetedRelief {
         Self { x: lines(columns, size.x), y: lines(rows, size.y), facets, optical: (0..columns, 0..rows) }
     }
 
-    /// The same relief with a flat rim `width` mm wide around it, level with the lowest point, so that it shades nothing.
-    pub fn with_rim(&self, width: f64) -> Self {
+    /// The same relief with a rim around it that starts level with the lowest point; a width in mm is a flat one.
+    pub fn with_rim(&self, rim: impl Into<Rim>) -> Self {
+        let rim = rim.into();
+        let width = rim.width;
         if width <= 0.0 {
             return self.clone();
         }
-        let rim = Facet { height: self.height_range().0, slope: Slope::FLAT };
+        let foot = self.height_range().0;
+        // Sides fall by half of this from the foot to their middles, corners by all of it.
+        let piece = |slope: Slope| {
+            let steps = f64::from(u8::from(slope.p != 0.0) + u8::from(slope.q != 0.0));
+            Facet { height: foot - 0.5 * steps * rim.fall * width, slope }
+        };
+        let [west, east, south, north, south_west, south_east, north_west, north_east] = rim.slopes().map(piece);
         let widened = |lines: &[f64]| {
             let (first, last) = (lines[0], lines[lines.len() - 1]);
             [&[first - width], lines, &[last + width]].concat()
         };
         let (nx, ny) = (self.columns(), self.rows());
-        let mut facets = vec![rim; (nx + 2) * (ny + 2)];
-        for (j, row) in self.facets.chunks(nx).enumerate() {
-            facets[(j + 1) * (nx + 2) + 1..][..nx].copy_from_slice(row);
-        }
+        let row = |first: Facet, inner: &[Facet], last: Facet| [&[first], inner, &[last]].concat();
+        let mut facets = row(south_west, &vec![south; nx], south_east);
+        self.facets.chunks(nx).for_each(|inner| facets.extend(row(west, inner, east)));
+        facets.extend(row(north_west, &vec![north; nx], north_east));
         Self { x: widened(&self.x), y: widened(&self.y), facets, optical: (1..nx + 1, 1..ny + 1) }
     }
 
@@ -88,11 +97,21 @@ impl FacetedRelief {
         [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(a, b)| self.plane_height(i, j, DVec2::new(self.x[i + a], self.y[j + b])))
     }
 
-    /// Lowest and highest point of all facets, mm.
+    /// Lowest and highest point of all facets, rim included, mm.
     pub fn height_range(&self) -> (f64, f64) {
+        self.range_of(0..self.columns(), 0..self.rows())
+    }
+
+    /// Lowest and highest point of the optical area, mm.
+    pub fn optical_heights(&self) -> (f64, f64) {
+        let (columns, rows) = self.optical.clone();
+        self.range_of(columns, rows)
+    }
+
+    fn range_of(&self, columns: Range<usize>, rows: Range<usize>) -> (f64, f64) {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for j in 0..self.rows() {
-            for i in 0..self.columns() {
+        for j in rows {
+            for i in columns.clone() {
                 for z in self.corner_heights(i, j) {
                     range = (range.0.min(z), range.1.max(z));
                 }
@@ -139,5 +158,17 @@ mod tests {
         assert_eq!(rimmed.optical_area(), relief.optical_area());
         assert_eq!(rimmed.facet(1, 1), relief.facet(0, 0));
         assert_eq!(rimmed.height_range(), relief.height_range());
+        let falling = relief.with_rim(Rim { width: 2.0, fall: 0.25 });
+        assert!((falling.height_range().0 - (low - 1.0)).abs() < 1e-12);
+        assert_eq!(falling.optical_heights(), relief.height_range());
+        // One surface from piece to piece, and at the relief's foot.
+        for (i, j) in [(0, 0), (2, 0), (4, 0), (0, 2), (4, 2), (0, 3), (1, 3), (4, 3)] {
+            let x = [-2.0, 0.0, 1.0, 2.0, 3.0, 5.0];
+            let y = [-2.0, 0.0, 1.0, 2.0, 4.0];
+            for at in [DVec2::new(x[i], y[j]), DVec2::new(x[i + 1], y[j]), DVec2::new(x[i + 1], y[j + 1])] {
+                let out = (-at).max(at - DVec2::new(3.0, 2.0)).max(DVec2::ZERO);
+                assert!((falling.plane_height(i, j, at) - (low - 0.25 * (out.x + out.y))).abs() < 1e-12, "{i} {j}");
+            }
+        }
     }
 }

@@ -28,6 +28,39 @@ impl Mesh {
         })
     }
 
+    /// The part that stands on the box around all vertices less `margin` mm on each side, if no other part that faces up
+    /// is higher than the lowest of it: nothing is then left out that could shade it. It is open where it was cut off.
+    pub fn without_rim(&self, margin: f64) -> Option<Self> {
+        let (low, high) = self.bounds();
+        // Single precision of a rim's width.
+        let slack = 1e-6 * (high - low).truncate().max_element();
+        let (from, to) = (low.truncate() + margin - slack, high.truncate() - margin + slack);
+        let within = |corner: DVec3| (corner.truncate().cmpge(from) & corner.truncate().cmple(to)).all();
+        let (mut lowest, mut beside) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut part = Self::default();
+        let mut names = vec![u32::MAX; self.vertices.len()];
+        for (k, triangle) in self.triangles.iter().enumerate() {
+            let corners = self.corners(k);
+            let up = (corners[1] - corners[0]).cross(corners[2] - corners[0]).z > 0.0;
+            if !up {
+                continue;
+            }
+            if !corners.into_iter().all(within) {
+                beside = corners.iter().fold(beside, |most, corner| most.max(corner.z));
+                continue;
+            }
+            lowest = corners.iter().fold(lowest, |least, corner| least.min(corner.z));
+            part.triangles.push(triangle.map(|v| {
+                if names[v as usize] == u32::MAX {
+                    names[v as usize] = part.vertices.len() as u32;
+                    part.vertices.push(self.vertices[v as usize]);
+                }
+                names[v as usize]
+            }));
+        }
+        (beside <= lowest + slack && !part.triangles.is_empty()).then_some(part)
+    }
+
     /// Triangles without area.
     pub fn degenerate(&self) -> usize {
         let flat = |k: &usize| {

@@ -1,10 +1,14 @@
 //! Reliefs in millimetres: planes or triangles over a grid, and the triangles that are written.
 
+pub mod rim;
+
 pub mod faceted;
 
 pub mod height_grid;
 
 pub mod periodic;
+
+pub mod open;
 
 pub mod mesh;
 

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{Named, PictureFacts};
 use crate::brdf::material::Material;
 use crate::cutter::Cutter;
-use crate::recipe::Recipe;
+use crate::recipe::{BorderFinish, Recipe};
 use crate::sculpt::start::Start;
 
 /// Everything that is known of a design.
@@ -25,6 +26,15 @@ pub struct DesignReport {
     pub blur: BlurFacts,
     /// The plate.
     pub design: PlateFacts,
+    /// How far lamp and wall must be for its figures to hold, if it was made for endlessly far ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holds_beyond: Option<HoldsBeyond>,
+    /// Light on the wall, if lamp or wall are near and light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<OnWallFacts>,
+    /// Its rim, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim: Option<RimFacts>,
     /// Its file.
     pub stl: StlFacts,
     /// Light over the plate as designed, if any was sent.
@@ -137,6 +147,30 @@ pub struct PlateFacts {
     /// Of a sheet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub continuous: Option<SheetFacts>,
+    /// Of lamp and wall nearby.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near: Option<NearFacts>,
+}
+
+/// How a design follows a lamp and a wall nearby.
+#[derive(Clone, Debug, Serialize)]
+pub struct NearFacts {
+    /// How, and why so.
+    pub method: String,
+    /// From the plate's middle to the lamp; null if it is endlessly far.
+    pub lamp_distance_mm: Option<f64>,
+    /// From the plate's middle to that of the picture; null if it is endlessly far.
+    pub wall_distance_mm: Option<f64>,
+    /// Focal length of the bowl.
+    pub focus_mm: f64,
+    /// Its height about its mean plane.
+    pub sag_mm: f64,
+    /// From the picture's middle to where the flat plate would throw the lamp; null without a wall. It costs tilt.
+    pub mirror_miss_mm: Option<f64>,
+    /// By how much the light of the far design misses, root mean square: as it is, on the bowl, and warped on it.
+    pub miss_deg: [f64; 3],
+    /// Misplaced light of the model at a blur of 0.5°, before the descent over the whole plate and after each stage.
+    pub misplaced_by_stage: Vec<f64>,
 }
 
 /// How a plate is to be mounted: the direction of its normal, degrees.
@@ -210,6 +244,36 @@ pub struct StoppedEarly {
     pub steps_done: usize,
     /// All steps.
     pub steps: usize,
+}
+
+/// How far lamp and wall must be from a plate that knows nothing of them, mm: its own size then blurs by 0.005 rad.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HoldsBeyond {
+    /// Each of them, from the plate.
+    pub lamp_and_wall_mm: f64,
+    /// The wall, under the sun.
+    pub wall_under_sun_mm: f64,
+}
+
+/// The rim around the optical area. Shares are of the light that falls on that area, and absent if no light was sent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RimFacts {
+    /// Width, mm.
+    pub width_mm: f64,
+    /// How it is finished.
+    pub finish: BorderFinish,
+    /// By how much it falls outward, degrees.
+    pub slope_deg: f64,
+    /// What the shop has to know, in words.
+    pub for_the_shop: String,
+    /// Light that falls on it.
+    pub light_on_it: Option<f64>,
+    /// What it throws into the picture, counted in every figure; nothing if it is left dull.
+    pub into_picture: Option<f64>,
+    /// What it would throw there if it were polished.
+    pub into_picture_if_polished: Option<f64>,
+    /// Standard error of that.
+    pub error: Option<f64>,
 }
 
 /// The plate's file.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{MeshFacts, PictureFacts};
 use crate::brdf::material::Material;
@@ -26,6 +27,13 @@ pub struct VerifyReport {
     pub metal: Material,
     /// Rim that is no optical area, mm.
     pub margin_mm: f64,
+    /// What that rim would throw into the picture if it were polished, as a share of the light on the optical area; in no
+    /// other figure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin_into_picture_if_polished: Option<f64>,
+    /// Light on the wall, if lamp or wall are near.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<OnWallFacts>,
     /// The figures.
     pub measured: Scores,
     /// What a person should know; empty if nothing is off.

@@ -41,20 +41,34 @@ pub struct ConcaveEdges {
 
 /// An edge of a square and the slopes on both sides of it; concave where `to` is above `from`.
 #[derive(Clone, Copy)]
-struct ConcaveEdge {
+pub(super) struct ConcaveEdge {
     /// Which slope jumps: 0 for p, 1 for q.
-    axis: usize,
-    from: f32,
-    to: f32,
+    pub axis: usize,
+    pub from: f32,
+    pub to: f32,
     /// The slope along the edge, which both sides share.
-    along: f32,
+    pub along: f32,
 }
 
 impl ConcaveEdge {
     /// Whether its ends are more than one bin apart.
     #[inline]
-    fn moves_light(self, slope_per_bin: [f32; 2]) -> bool {
+    pub fn moves_light(self, slope_per_bin: [f32; 2]) -> bool {
         self.to - self.from > slope_per_bin[self.axis]
+    }
+
+    /// Adds a gradient with respect to `from`, `to` and `along` of this edge of square `i`.
+    #[inline]
+    pub fn add_gradient(self, row: &EdgeRow<'_>, i: usize, [from, to, along]: [f32; 3], sums: &mut EdgeRowSums<'_>) {
+        if self.axis == 0 {
+            sums.p[usize::from(row.p[1][i] < row.p[0][i])][i] += from;
+            sums.p[usize::from(row.p[1][i + 1] > row.p[0][i + 1])][i + 1] += to;
+            sums.q[0][i + 1] += along;
+        } else {
+            sums.q[0][i + usize::from(row.q[0][i + 1] < row.q[0][i])] += from;
+            sums.q[1][i + usize::from(row.q[1][i + 1] > row.q[1][i])] += to;
+            sums.p[1][i] += along;
+        }
     }
 
     fn ends(self, bins: &SlopeHistogram) -> [Place; 2] {
@@ -71,9 +85,21 @@ impl ConcaveEdges {
         Self { share, most: most as f32 }
     }
 
+    /// The same over `squares` squares in place of the lattice's own.
+    pub(super) fn over(self, lattice: Lattice, squares: usize) -> Self {
+        let factor = (lattice.n * lattice.n) as f32 / squares as f32;
+        Self { share: self.share.map(|share| share * factor), ..self }
+    }
+
+    /// Share of the plate that the fillet of an edge takes per unit of its jump.
+    #[inline]
+    pub(super) fn share(&self, axis: usize) -> f32 {
+        self.share[axis]
+    }
+
     /// The edges at the right side and at the top of square `i`.
     #[inline]
-    fn of(row: &EdgeRow<'_>, i: usize) -> [ConcaveEdge; 2] {
+    pub(super) fn of(row: &EdgeRow<'_>, i: usize) -> [ConcaveEdge; 2] {
         let ([p0, p1], [q0, q1]) = (row.p, row.q);
         let x = ConcaveEdge { axis: 0, from: p0[i].min(p1[i]), to: p0[i + 1].max(p1[i + 1]), along: q0[i + 1] };
         let y = ConcaveEdge { axis: 1, from: q0[i].min(q0[i + 1]), to: q1[i].max(q1[i + 1]), along: p1[i] };
@@ -122,15 +148,7 @@ impl ConcaveEdges {
                 let strip = if edge.moves_light(slope_per_bin) { Self::strip(edge, bins, potential) } else { [0.0; 3] };
                 let [from, to, along] = strip.map(|v| share * v);
                 let (from, to) = (from - weight * share * rate, to + weight * share * rate);
-                if edge.axis == 0 {
-                    sums.p[usize::from(row.p[1][i] < row.p[0][i])][i] += from;
-                    sums.p[usize::from(row.p[1][i + 1] > row.p[0][i + 1])][i + 1] += to;
-                    sums.q[0][i + 1] += along;
-                } else {
-                    sums.q[0][i + usize::from(row.q[0][i + 1] < row.q[0][i])] += from;
-                    sums.q[1][i + usize::from(row.q[1][i + 1] > row.q[1][i])] += to;
-                    sums.p[1][i] += along;
-                }
+                edge.add_gradient(row, i, [from, to, along], sums);
             }
         }
         penalty
@@ -162,7 +180,7 @@ impl ConcaveEdges {
 
     /// What a jump Δs costs, and the derivative of that: Δs²/(Δs + SOFTNESS), and beyond the largest one allowed
     /// ½ STIFFNESS · most · (Δs/most - 1)² more.
-    fn jump_cost(&self, jump: f32) -> (f32, f32) {
+    pub(super) fn jump_cost(&self, jump: f32) -> (f32, f32) {
         if jump <= 0.0 {
             return (0.0, 0.0);
         }

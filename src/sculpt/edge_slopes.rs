@@ -138,11 +138,11 @@ impl EdgeSlopes {
 
     /// The gradient with respect to the heights, per mm, of a function of the edges; and the sum of what `visit` returns.
     ///
-    /// `visit` is given each row of squares, and adds the gradient with respect to its edges.
+    /// `visit` is given each row of squares and its number, and adds the gradient with respect to its edges.
     pub fn adjoint(
         &self,
         lattice: Lattice,
-        visit: impl Fn(EdgeRow<'_>, &mut EdgeRowSums<'_>) -> f64 + Sync,
+        visit: impl Fn(usize, EdgeRow<'_>, &mut EdgeRowSums<'_>) -> f64 + Sync,
     ) -> (Vec<f32>, f64) {
         let (n, width) = (self.n, self.n + 1);
         let band = |band: usize| {
@@ -154,7 +154,7 @@ impl EdgeSlopes {
                 let (p0, p1) = p[at..].split_at_mut(width);
                 let (q0, q1) = q[at..].split_at_mut(width);
                 let mut sums = EdgeRowSums { p: [p0, &mut p1[..width]], q: [q0, &mut q1[..width]] };
-                sum += visit(self.row(j), &mut sums);
+                sum += visit(j, self.row(j), &mut sums);
             }
             (p, q, sum)
         };
@@ -217,9 +217,7 @@ mod tests {
                     forward += f64::from(slope) * f64::from(weight(j, i, side));
                 }
             }
-            let row_of = |row: &EdgeRow<'_>| (0..n).find(|&j| std::ptr::eq(row.p[0], edges.row(j).p[0])).unwrap();
-            let (back, visited) = edges.adjoint(lattice, |row, sums| {
-                let j = row_of(&row);
+            let (back, visited) = edges.adjoint(lattice, |j, _, sums| {
                 for i in 0..n {
                     sums.p[0][i] += weight(j, i, 0);
                     sums.p[1][i] += weight(j, i, 1);

@@ -62,7 +62,7 @@ impl LightModel {
     /// edges; and that penalty.
     pub fn adjoint(&self, edges: &EdgeSlopes, potential: &[f32], weight: f32) -> (Vec<f32>, f64) {
         let bins = &self.bins;
-        edges.adjoint(self.lattice, |row, sums| {
+        edges.adjoint(self.lattice, |_, row, sums| {
             for i in 0..self.lattice.n {
                 let square = row.square(i);
                 // Of both cuts and of the lower and the upper triangle, with respect to p and q.

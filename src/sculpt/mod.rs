@@ -39,6 +39,8 @@
 //! 4. **Finer grids**, each the double of the one before ([`resample`]), with two more descents on each.
 //! 5. **Clearing**, for a cutter: nodes that it still does not reach are raised ([`tool`]).
 //!
+//! For a lamp and a wall nearby, [`room`] goes on from there over the whole plate.
+//!
 //! [`checkpoint`] holds the state between two steps. [`bound`] says what no relief can do better, [`detail`] on how small
 //! mirrors the light depends, [`milled_facets`] what a cutter leaves of a plate of facets.
 
@@ -85,3 +87,5 @@ pub mod plan;
 pub mod checkpoint;
 
 pub mod stages;
+
+pub mod room;

@@ -202,7 +202,7 @@ pub(crate) const CLEARANCE: f64 = 0.45e-3;
 /// A ball in an edge with a jump Δs that stands alone stays R Δs²/8 above its bottom, and in a hollow as round as itself
 /// every edge jumps by the distance of nodes over R. The smaller of both is the sharpest that is wanted; the cost begins at
 /// 0.7 of it, since a descent ends where cost and light balance, beyond the point at which the cost begins.
-fn sharpest_jump(lattice: Lattice, cutter: Cutter) -> f64 {
+pub(super) fn sharpest_jump(lattice: Lattice, cutter: Cutter) -> f64 {
     let radius = cutter.valley_radius();
     let alone = (8.0 * CLEARANCE / radius).sqrt();
     0.7 * alone.min(lattice.step.min_element() / radius)
@@ -220,7 +220,7 @@ fn lower_diagonals(lattice: Lattice, cutter: Cutter) -> f64 {
 
 /// 1/|k| of wave (i, j) as differences between neighbours see it, mm; 0 for the mean. Waves shorter than `finest` mm are
 /// damped by a Gaussian.
-fn conditioner(lattice: Lattice, i: usize, j: usize, finest: f64) -> f64 {
+pub(super) fn conditioner(lattice: Lattice, i: usize, j: usize, finest: f64) -> f64 {
     let Lattice { n, step } = lattice;
     let along = |k: usize, h: f64| 2.0 / h * (PI * k as f64 / n as f64).sin();
     let slope = along(i, step.x).hypot(along(j, step.y));

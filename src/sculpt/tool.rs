@@ -37,7 +37,7 @@ const RIDGE: f64 = 0.025e-3;
 /// A cutter over a grid of places.
 #[derive(Clone, Debug)]
 pub struct Tool {
-    cutter: Cutter,
+    pub(super) cutter: Cutter,
     /// Places along a side of a cell, an even number.
     pub places: usize,
 }
@@ -74,10 +74,18 @@ impl Tool {
 
     /// One cell of `relief` as the cutter leaves it; of no use if the work is abandoned meanwhile.
     pub fn mill(&self, relief: &PeriodicRelief, progress: &Progress) -> Milled {
+        self.mill_below(relief, f32::INFINITY, progress)
+    }
+
+    /// The same, where rises of `cliff` mm or more from one place to the next are no part of the relief.
+    pub(super) fn mill_below(&self, relief: &PeriodicRelief, cliff: f32, progress: &Progress) -> Milled {
         let n = self.places;
         let written = sampled(relief, n);
         let step = relief.cell / n as f64;
-        let rise = |k: usize, next: usize| written[next] - written[k];
+        let rise = |k: usize, next: usize| {
+            let rise = written[next] - written[k];
+            if rise.abs() < cliff { rise } else { 0.0 }
+        };
         let along_x = self.profile((0..n * n).map(|k| rise(k, k / n * n + (k + 1) % n)), step.x, relief.tilt.p);
         let along_y = self.profile((0..n * n).map(|k| rise(k, (k + n) % (n * n))), step.y, relief.tilt.q);
         let z = milled_heights(&written, n, &along_x, &along_y, progress);

@@ -50,6 +50,15 @@ impl TracedPlate {
         Ok(Self::Mesh(Box::new(MeshSurface::new(mesh, margin)?)))
     }
 
+    /// The optical area of the plate in `mesh` alone, if that stands on a grid and a rim of `margin` mm around it shades
+    /// nothing: its light is then known piece by piece.
+    pub fn without_rim(mesh: &Mesh, margin: f64) -> Option<Self> {
+        match recognise(&mesh.without_rim(margin)?)? {
+            Recognised::Facets(relief) => Some(Self::Facets(GridSurface::new(&relief))),
+            Recognised::Heights(grid) => Some(Self::Heights(GridSurface::continuous(&grid))),
+        }
+    }
+
     /// The same relief repeated without end; `None` if it stands on no grid.
     pub fn endless(self) -> Option<Self> {
         match self {
@@ -117,6 +126,30 @@ mod tests {
         assert!(matches!(TracedPlate::new(&block(true), 0.0), Ok(TracedPlate::Mesh(_))));
         assert!(TracedPlate::new(&block(false), 1.0).is_err());
         assert!(TracedPlate::new(&block(true), 0.0).unwrap().endless().is_none());
+    }
+
+    #[test]
+    fn a_relief_is_found_within_a_rim_that_shades_nothing() {
+        use crate::export::sheet::sheet_solid;
+        use crate::relief::periodic::PeriodicRelief;
+        use crate::slope::Slope;
+        let heights = (0..64).map(|k| (k * k % 11) as f32 * 0.01).collect();
+        let relief = PeriodicRelief {
+            nodes: 8,
+            heights,
+            cell: DVec2::new(7.3, 5.1),
+            cells: [2, 1],
+            tilt: Slope::new(0.01, 0.0),
+        };
+        let bare = recognise(&sheet_solid(&relief, 2.0, 0.0).unwrap());
+        let mut rimmed = sheet_solid(&relief, 2.0, 1.7).unwrap();
+        assert!(matches!(TracedPlate::without_rim(&rimmed, 1.7), Some(TracedPlate::Heights(_))));
+        assert_eq!(recognise(&rimmed.without_rim(1.7).unwrap()), bare);
+        // A rim that stands higher shades.
+        let highest = rimmed.bounds().1.z as f32;
+        let rim = (0..rimmed.vertices.len()).filter(|&v| rimmed.vertices[v][0] < -0.1).collect::<Vec<_>>();
+        rim.into_iter().for_each(|v| rimmed.vertices[v][2] = highest);
+        assert!(TracedPlate::without_rim(&rimmed, 1.7).is_none());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::brdf::material::Material;
 use crate::lamp::Lamp;
 use crate::projection::View;
+use crate::scene::Scene;
 use crate::setup::Setup;
 use crate::trace::Surface;
 
@@ -52,6 +53,15 @@ impl<'a, S: Surface> Experiment<'a, S> {
     pub fn under_ball(self, distance: f64, radius: f64) -> Self {
         let middle = self.surface.middle() + distance * self.setup.light();
         Self { lamp: Lamp::Ball { middle, radius }, ..self }
+    }
+
+    /// The lamp of a scene, which lies in the plate's frame with its origin at `origin`.
+    pub fn in_scene(self, scene: &Scene, origin: DVec3) -> Self {
+        let lamp = match scene.lamp().clone() {
+            Lamp::Ball { middle, radius } => Lamp::Ball { middle: middle + origin, radius },
+            distant => distant,
+        };
+        Self { lamp, ..self }
     }
 
     /// Whether all of the lamp lies above the plate, by more than rounding.

@@ -22,6 +22,8 @@ pub mod goniometer;
 
 pub mod microgeometry;
 
+pub mod thrown;
+
 pub mod wall;
 
 pub mod camera;
@@ -31,5 +33,11 @@ mod path_tracer;
 pub mod render;
 
 pub mod verdict;
+
+pub mod rim;
+
+pub mod wall_verdict;
+
+pub mod elsewhere;
 
 pub mod windows;

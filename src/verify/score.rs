@@ -101,7 +101,7 @@ fn distance(a: &Raster, b: &Raster) -> f64 {
 }
 
 /// Mean structural similarity of `a` and `b`, K = (0.01, 0.03), dynamic range = peak of `b`.
-fn structural_similarity(a: &Raster, b: &Raster) -> f64 {
+pub(super) fn structural_similarity(a: &Raster, b: &Raster) -> f64 {
     let smooth = |image: &Raster| gaussian(image, (1.5, 1.5), 3.5, Edge::Mirrored);
     let product = |a: &Raster, b: &Raster| {
         let values = a.values.iter().zip(&b.values).map(|(a, b)| a * b).collect();

@@ -32,6 +32,9 @@ pub struct Tally {
     pub first_hit_wall: f64,
     /// What left upward, by pixel of the image or screen.
     pub image: Raster,
+    /// Light of a polished rim around the optical area, by pixel of the same: it lies over the image and is part of no
+    /// other figure here.
+    pub rim: Option<Raster>,
 }
 
 impl Tally {
@@ -50,6 +53,7 @@ impl Tally {
             backface: 0.0,
             first_hit_wall: 0.0,
             image: Raster::zeros(width, height),
+            rim: None,
         }
     }
 
@@ -91,8 +95,9 @@ impl Tally {
         self.trapped += factor * other.trapped;
         self.backface += factor * other.backface;
         self.first_hit_wall += factor * other.first_hit_wall;
-        for (sum, v) in self.image.values.iter_mut().zip(&other.image.values) {
-            *sum += factor * v;
+        add(&mut self.image, &other.image, factor);
+        if let Some(more) = &other.rim {
+            add(self.rim.get_or_insert_with(|| Raster::zeros(more.width, more.height)), more, factor);
         }
     }
 
@@ -110,7 +115,8 @@ impl Tally {
             &mut self.backface,
             &mut self.first_hit_wall,
         ];
-        figures.into_iter().chain(&mut self.image.values).for_each(|light| *light *= 0.5);
+        let rim = self.rim.iter_mut().flat_map(|rim| &mut rim.values);
+        figures.into_iter().chain(&mut self.image.values).chain(rim).for_each(|light| *light *= 0.5);
     }
 
     /// Share of incident light that leaves upward.
@@ -139,6 +145,21 @@ impl Tally {
         let up = (self.up_single + self.up_multi).max(f64::MIN_POSITIVE);
         self.image.clone().scaled(1.0 / up)
     }
+
+    /// The same with the light of a polished rim over it, still as shares of what the optical area sends upward: the
+    /// pixels may sum to more than 1.
+    pub fn lit_image(&self) -> Raster {
+        let mut image = self.share_image();
+        if let Some(rim) = &self.rim {
+            add(&mut image, rim, 1.0 / (self.up_single + self.up_multi).max(f64::MIN_POSITIVE));
+        }
+        image
+    }
+}
+
+/// Adds `factor` times another raster of the same size.
+fn add(sum: &mut Raster, more: &Raster, factor: f64) {
+    sum.values.iter_mut().zip(&more.values).for_each(|(sum, v)| *sum += factor * v);
 }
 
 /// A measurement in parts, so that every figure drawn from it has an error.
@@ -172,6 +193,28 @@ impl Measurement {
         };
         mean(&mut self.whole, &other.whole);
         self.parts.iter_mut().zip(&other.parts).for_each(|(part, more)| mean(part, more));
+    }
+
+    /// The same with another view of every tally.
+    pub(super) fn mapped(&self, view: impl Fn(&Tally) -> Tally) -> Self {
+        Self { whole: view(&self.whole), parts: self.parts.iter().map(&view).collect() }
+    }
+
+    /// Its tallies.
+    pub(super) fn into_parts(self) -> Vec<Tally> {
+        self.parts
+    }
+
+    /// The same with the light of a rim over its image, part by part; `rim` is as this would be of the rim alone.
+    pub(super) fn with_rim(mut self, rim: &[Tally]) -> Self {
+        for (part, rim) in self.parts.iter_mut().zip(rim) {
+            part.rim = Some(rim.image.clone());
+        }
+        let (width, height) = self.whole.size();
+        let mut all = Raster::zeros(width, height);
+        rim.iter().for_each(|rim| add(&mut all, &rim.image, 1.0));
+        self.whole.rim = Some(all);
+        self
     }
 
     /// The whole without part `k`, for k below [`parts`](Self::parts).

@@ -110,9 +110,10 @@ impl Verdict {
 /// All figures that follow from one tally by quick arithmetic, in [`Verdict::new`]'s order.
 fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]> {
     let (image, up) = (tally.share_image(), tally.up());
+    let lit = tally.lit_image();
     let mut values = [0.0; FIGURES];
     for (b, blur) in BLURS.iter().enumerate() {
-        let scores = blurred_scores(&image, up, target, view, blur.to_radians())?;
+        let scores = blurred_scores(&lit, up, target, view, blur.to_radians())?;
         values[4 * b..4 * b + 4].copy_from_slice(&[scores.tv, scores.tv_up, scores.tv_incident, scores.ssim]);
     }
     let rest = [efficiency(&image, up, target, view, MAIN_BLUR.to_radians()), tally.multi_bounce(), tally.blocked()];
@@ -122,7 +123,7 @@ fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]
 
 /// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
 fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Figure> {
-    let of = |tally: &Tally| exact_w1(&tally.image, target, view, W1_RESOLUTION, progress);
+    let of = |tally: &Tally| exact_w1(&tally.lit_image(), target, view, W1_RESOLUTION, progress);
     let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
     let error = match halves {
         [Some(a), Some(b)] => 0.5 * (a - b).abs(),

@@ -20,10 +20,12 @@ use super::experiment::{Experiment, Measuring};
 use super::follow::{Collection, follow_all};
 use super::measure::until_error;
 use super::tally::{Measurement, Tally};
+use super::thrown::plate_origin;
 use crate::lamp::Lamp;
 use crate::progress::Progress;
 use crate::projection::{View, carried_axes};
 use crate::raster::Raster;
+use crate::scene::WallPicture;
 use crate::trace::Surface;
 use crate::trace::path::{End, Fate};
 
@@ -36,12 +38,28 @@ pub struct WallSettings {
     pub wall_tilt: f64,
     /// From the middle of the wall's picture to its rim, mm.
     pub half_width: f64,
+    /// A picture that stands elsewhere, as in a [`Scene`](crate::scene::Scene), in whose frame this is: its middle and its
+    /// axes count in place of distance and tilt.
+    pub elsewhere: Option<WallPicture>,
 }
 
 impl Default for WallSettings {
     /// A metre of wall a metre away.
     fn default() -> Self {
-        Self { wall_distance: 1000.0, wall_tilt: 0.0, half_width: 500.0 }
+        Self { wall_distance: 1000.0, wall_tilt: 0.0, half_width: 500.0, elsewhere: None }
+    }
+}
+
+impl From<WallPicture> for WallSettings {
+    /// The wall of a scene, its picture with a rim of a quarter around it.
+    fn from(picture: WallPicture) -> Self {
+        let toward = picture.centre.normalize_or_zero();
+        Self {
+            wall_distance: picture.centre.length(),
+            wall_tilt: toward.dot(picture.normal()).clamp(-1.0, 1.0).acos().to_degrees(),
+            half_width: 1.25 * picture.half,
+            elsewhere: Some(picture),
+        }
     }
 }
 
@@ -168,6 +186,11 @@ struct Wall {
 
 impl Wall {
     fn new<S: Surface>(settings: &WallSettings, experiment: &Experiment<'_, S>) -> Self {
+        if let Some(WallPicture { centre, u, v, .. }) = settings.elsewhere {
+            let middle = plate_origin(experiment.surface);
+            let (c, normal) = (centre.normalize_or_zero(), u.cross(v));
+            return Self { middle, c, centre: middle + centre, u, v, normal, half_width: settings.half_width };
+        }
         let middle = experiment.surface.middle();
         // The highlight image lives in the drawing's frame; rays in that of the plate, which may be mounted tilted.
         let (x, y) = carried_axes(experiment.setup.plate_normal());

@@ -69,6 +69,49 @@ fn a_dry_run_needs_no_folder_and_writes_nothing() {
 }
 
 #[test]
+fn a_rim_counts_as_it_is_finished_and_the_shop_is_told() {
+    let home = home();
+    let plate = |finish: &str| {
+        let line = "design ring.png --size 30x30 --facets 10x10 --projection screen --rays 40000 --border 3";
+        let done = run_line(home.path(), &format!("{line} -o {finish} --border-finish {finish}"));
+        assert_done(&done);
+        let report = json(home.path().join(finish).join("report.json"));
+        (report["rim"].clone(), report["designed"]["tv_incident"]["1"].as_f64().unwrap(), done.stdout)
+    };
+    let (matt, tv, said) = plate("matt");
+    let share = matt["into_picture_if_polished"].as_f64().unwrap();
+    // 36 x 36 mm without 30 x 30.
+    assert!((share - 0.44).abs() < 0.01 && matt["into_picture"] == 0.0, "{matt}");
+    assert!(said.contains("Leave the rim of 3 mm dull"), "{said}");
+    let sidecar = json(home.path().join("matt/heightmap.json"));
+    assert!(sidecar["rim"].as_str().unwrap().contains("left dull"), "{sidecar}");
+    let (polished, bright, said) = plate("polished");
+    assert_eq!(polished["into_picture"], polished["into_picture_if_polished"]);
+    assert!((bright - tv - share).abs() < 0.03 && said.contains("--border-finish matt"), "{bright} {tv} {said}");
+    assert!(
+        fs::read(home.path().join("matt/plate.stl")).unwrap()
+            == fs::read(home.path().join("polished/plate.stl")).unwrap()
+    );
+    let (sloped, tv_sloped, _) = plate("sloped");
+    assert!(sloped["into_picture"].as_f64().unwrap() < 0.002 && sloped["slope_deg"].as_f64().unwrap() > 10.0);
+    assert!((tv_sloped - tv).abs() < 0.01, "{tv_sloped} {tv}");
+    // A proof of the file says the same of its margin, and light on the plate as it lies leaves a dull rim out.
+    assert_done(&run_line(
+        home.path(),
+        "verify matt/plate.stl --against ring.png -o v --margin 3 --projection screen --rays 40000",
+    ));
+    let told = json(home.path().join("v/report.json"));
+    assert!((told["margin_into_picture_if_polished"].as_f64().unwrap() - share).abs() < 0.01, "{told}");
+    assert_done(&run_line(home.path(), "measure matt -o m --rays 40000"));
+    assert_done(&run_line(home.path(), "measure polished -o n --rays 40000"));
+    let brightest = |folder: &str| {
+        let picture = image::open(home.path().join(folder).join("highlight.png")).unwrap().into_luma8();
+        picture.get_pixel(picture.width() / 2, picture.height() / 2).0[0]
+    };
+    assert!(brightest("m") < 50 && brightest("n") > 200);
+}
+
+#[test]
 fn verifying_our_own_plate_agrees_with_the_designs_figures() {
     let home = home();
     for (k, flags) in
@@ -123,7 +166,7 @@ fn help_names_every_flag_of_the_contract() {
     let told = run_line(home.path(), "design --help");
     assert_done(&told);
     for flag in
-        "half-field projection quantity seen light light-radius lobe size facets cells thickness border surface grid \
+        "half-field projection quantity seen light light-radius lobe size facets cells thickness border border-finish surface grid \
                  for-cutter min-feature max-triangles polish max-depth snapshots resume \
                  invert rotate fit sample arrange method level recipe seed threads force json quiet no-verify dry-run"
             .split_whitespace()

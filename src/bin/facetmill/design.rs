@@ -22,7 +22,7 @@ use crate::{inputs, tables};
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([args.recipe.as_deref(), None])?;
-    let (recipe, path) = recipe(args)?;
+    let (mut recipe, path) = recipe(args)?;
     let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
         let picture = picture::read(&path, &recipe.reading())?;
@@ -45,13 +45,14 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
     let mut picture = picture::read(&path, &recipe.reading())?;
+    recipe.note_drawing(picture.original_size);
     if recipe.picture.is_none() {
         let note = "The picture's name is not Unicode, so recipe.toml is without it: name it beside --recipe.";
         picture.notes.push(note.into());
     }
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| {
-        if matches!(event, Event::Stage(stage, _) if stage != Stage::Sculpting) {
+        if matches!(event, Event::Stage(stage, _) if ![Stage::Sculpting, Stage::Room].contains(&stage)) {
             run.design_is_over();
         }
         stages.hear(event);
@@ -125,6 +126,10 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
         (None, _) => args.base(),
     };
     args.apply(&mut recipe);
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let recipe = args.implied(recipe)?;
     if args.method.is_some() && recipe.surface() == SurfaceKind::Sheet {
         let what = "--method is for flat facets, and --surface makes this plate a sheet";
         return Err(Failure::Usage(format!("{what}: leave out one of the two")));

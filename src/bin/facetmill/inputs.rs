@@ -5,11 +5,12 @@ use std::io::Read;
 use std::path::Path;
 
 use facetmill::recipe::Recipe;
+use facetmill::scene::room::Room;
 
 use crate::console::Failure;
 use crate::files;
 
-/// Largest recipe read, bytes.
+/// Largest recipe or scene file read, bytes.
 const LARGEST_RECIPE: u64 = 1 << 20;
 
 /// The inputs that were given, once what a killed run left half-way in the folders that they are, or lie in, is put right.
@@ -34,17 +35,29 @@ pub fn open(path: &Path) -> Result<File, Failure> {
     File::open(path).map_err(cannot)
 }
 
+/// Reads a scene file.
+pub fn room(path: &Path) -> Result<Room, Failure> {
+    let text = text(path, "scene file", "scene.toml")?;
+    Room::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
 /// Reads a recipe file; its numbers are not checked yet.
 pub fn recipe(path: &Path) -> Result<Recipe, Failure> {
+    let text = text(path, "recipe", "recipe.toml")?;
+    Recipe::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+/// The text of a file that a person wrote, which is to be a `what` such as `example`.
+fn text(path: &Path, what: &str, example: &str) -> Result<String, Failure> {
     let name = path.display();
     let mut text = String::new();
     let cannot = |what: String| Failure::Input(format!("{name}: {what}"));
     let file = open(path)?;
     if file.metadata().is_ok_and(|about| about.len() > LARGEST_RECIPE) {
-        return Err(cannot("this is too large for a recipe; name a recipe.toml".into()));
+        return Err(cannot(format!("this is too large for a {what}; name a {example}")));
     }
     file.take(LARGEST_RECIPE)
         .read_to_string(&mut text)
-        .map_err(|error| cannot(format!("this is no recipe ({error}); name a recipe.toml")))?;
-    Recipe::from_toml(&text).map_err(|error| cannot(error.to_string()))
+        .map_err(|error| cannot(format!("this is no {what} ({error}); name a {example}")))?;
+    Ok(text)
 }

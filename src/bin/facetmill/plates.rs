@@ -23,6 +23,8 @@ const LARGEST: f64 = 1e7;
 /// A plate that was read, and what is to be said of its file.
 pub struct Opened {
     pub plate: TracedPlate,
+    /// Its optical area alone, if that stands on a grid and the margin shades nothing.
+    pub bare: Option<TracedPlate>,
     /// The box around it, mm.
     pub size: DVec3,
     pub triangles: usize,
@@ -84,7 +86,8 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         relief_height_mm: heights.1 - heights.0,
         traced_as: plate.kind(),
     };
-    Ok(Opened { plate, size, triangles: mesh.triangles.len(), advice, facts })
+    let bare = if margin > 0.0 { TracedPlate::without_rim(&mesh, margin) } else { None };
+    Ok(Opened { plate, bare, size, triangles: mesh.triangles.len(), advice, facts })
 }
 
 /// What a person named: an STL, or the folder that `design` left, whose recipe then stands for flags that are not given.

@@ -1,9 +1,10 @@
 //! The tables that a person sees, made from the reports.
 
 use facetmill::job::pictures::rays;
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
+use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
 use facetmill::sharpen::SCORED_AT;
@@ -33,6 +34,14 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         let meaning = "of the light comes from patches that diffract it by more than 1°";
         table.push(row("small mirrors", percent(diffraction.share_beyond_1deg), meaning));
     }
+    if let Some(holds) = &report.holds_beyond {
+        let meaning = format!(
+            "lamp and wall each; under the sun the wall {:.0} m; for nearer ones give --lamp-distance and --wall",
+            1e-3 * holds.wall_under_sun_mm
+        );
+        table.push(row("holds beyond", format!("{:.0} m", 1e-3 * holds.lamp_and_wall_mm), meaning));
+    }
+    table.extend(report.on_wall.iter().flat_map(on_wall));
     if let Some(milled) = &report.as_milled {
         let left = format!("{:.2} µm", milled.left_by_cutter_um);
         table.push(row("left by cutter", left, "at the most, above the written surface"));
@@ -48,6 +57,12 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         };
         let how = if beside.as_milled { ", milled alike" } else { "" };
         table.push(row(other, percent(misplaced), format!("misplaced by {what} instead{how}")));
+    }
+    if let Some(near) = &report.design.near {
+        let focus = format!("{:.0} mm", near.focus_mm);
+        table.push(row("focal length", focus, "of the bowl: 1/f = 1/lamp + 1/wall"));
+        let method = near.method.split(':').next().unwrap_or_default();
+        table.push(row("lamp and wall", method, near.method.split_once(": ").map_or("", |(_, why)| why)));
     }
     if let Some(stopped) = report.design.continuous.as_ref().and_then(|sheet| sheet.stopped_early) {
         let steps = format!("{} of {}", stopped.steps_done, stopped.steps);
@@ -77,6 +92,18 @@ fn plate(report: &DesignReport) -> Vec<Row> {
     if mount.theta > 0.0 {
         let meaning = format!("tilted so, its normal toward azimuth {:.1}°", mount.phi);
         table.push(row("mount", format!("{:.2}°", mount.theta), meaning));
+    }
+    if let Some(rim) = &report.rim {
+        let meaning = match rim.finish {
+            BorderFinish::Matt => "left dull, counted as dark".to_owned(),
+            BorderFinish::Polished | BorderFinish::Sloped(_) => {
+                let (slope, share) = (rim.slope_deg, rim.into_picture.map(percent));
+                let thrown = share.map(|share| format!(", throws {share} of the relief's light into the picture"));
+                let how = if slope > 0.0 { format!("falls outward by {slope:.2}°") } else { "polished".into() };
+                how + &thrown.unwrap_or_default()
+            }
+        };
+        table.push(row("rim", format!("{} mm", rim.width_mm), meaning));
     }
     if let Some(worth) = &report.blur.sharpening {
         let at = |figures: &facetmill::report::Named| figures.get(&SCORED_AT.to_string()).unwrap_or(f64::NAN);
@@ -118,6 +145,56 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
     table
 }
 
+/// A plate in its room.
+fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
+    let metres = |mm: f64| format!("{:.2} m", 1e-3 * mm);
+    let figure = |scores: &WallScores, name: &str| scores.tv_incident.get(name).unwrap_or(f64::NAN);
+    let likeness = |scores: &WallScores| scores.ssim.get("eye").unwrap_or(f64::NAN);
+    let mut table = vec![
+        row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
+        row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
+        row("focal length", format!("{:.0} mm", facts.focus_mm), format!("a bowl {:.3} mm deep", facts.sag_mm)),
+    ];
+    let mut scores = |name: &str, scores: &WallScores| {
+        let eye = percent(figure(scores, "eye"));
+        let meaning = format!(
+            "misplaced on the wall at a blur of 0.5°; {eye} to an eye {} away, likeness {:.3}",
+            metres(facts.eye_distance_mm),
+            likeness(scores)
+        );
+        table.push(row(name, percent(figure(scores, "0.5deg")), meaning));
+    };
+    scores("on the wall", &facts.designed);
+    facts.as_milled.iter().for_each(|milled| scores("  as milled", milled));
+    table.push(row("grain", percent(facts.designed.grain), "of the drawing's light, seen by that eye and not at 0.5°"));
+    if let (Some([nearest, farthest]), Some(limit)) = (facts.in_focus_mm, facts.in_focus_tv) {
+        let ends = match (nearest.map(metres), farthest.map(metres)) {
+            (Some(near), Some(far)) => format!("{near} to {far}"),
+            (Some(near), None) => format!("{near} or more"),
+            (None, Some(far)) => format!("up to {far}"),
+            (None, None) => "anywhere".into(),
+        };
+        let meaning = format!("where the wall may stand, the lamp as it is: up to {} misplaced", percent(limit));
+        table.push(row("in focus", ends, meaning));
+    }
+    if let Some(sun) = &facts.under_sun {
+        let meaning = format!("the wall that is sharp under the sun; {} misplaced there", percent(sun.tv));
+        table.push(row("under the sun", metres(sun.wall_mm), meaning));
+    }
+    if let Some(cells) = &facts.cells_tv {
+        let meaning = format!("misplaced by the worst cell alone, {} on average", percent(cells.mean));
+        table.push(row("one cell", percent(cells.largest), meaning));
+    }
+    if let Some(miss) = facts.mirror_miss_mm.filter(|miss| *miss > 1.0) {
+        table.push(row(
+            "mirror point",
+            format!("{miss:.0} mm"),
+            "beside the picture's middle: tilt the plate to spare relief",
+        ));
+    }
+    table
+}
+
 /// A mesh that was scored against a picture.
 pub fn verify(report: &VerifyReport) -> Vec<Row> {
     let plate = &report.plate;
@@ -128,6 +205,7 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         row("relief", relief, "from its lowest to its highest point"),
     ];
     table.extend(scores(&report.measured));
+    table.extend(report.on_wall.iter().flat_map(on_wall));
     table
 }
 

@@ -2,17 +2,21 @@
 
 use facetmill::highlight::scored_target;
 use facetmill::job::exports;
+use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
-use facetmill::job::proof::Proof;
+use facetmill::job::proof::{Proof, RimProof};
 use facetmill::picture;
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::Recipe;
+use facetmill::raster::Raster;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{PROGRAM, PictureFacts, text};
+use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
+use facetmill::verify::rim::OverRim;
 use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
@@ -27,8 +31,19 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = Recipe::default();
     args.settings.apply(&mut recipe);
     recipe.picture = Some(args.against.to_string_lossy().into_owned());
-    recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
-    let setup = mounted(recipe.setup(), args.mount)?;
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let mut recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
     let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
@@ -40,6 +55,8 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let margin = args.margin.unwrap_or(0.0);
     let opened = plates::open(&args.plate, margin)?;
     let picture = picture::read(&args.against, &recipe.reading())?;
+    recipe.note_drawing(picture.original_size);
+    let setup = mounted(recipe.setup(), args.mount)?;
     progress.stage(Stage::Tracing);
     let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
     let no_light = || {
@@ -49,11 +66,18 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     };
     let metal = recipe.metal();
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
-    let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-    progress.stage(Stage::Scoring);
-    let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
-    let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-    let proof = Proof { target, measurement, verdict, sheet: None, milled: None };
+    let proof = match recipe.scene().ok().flatten() {
+        Some(scene) => in_room(&mut recipe, &scene, &opened, &picture.light, margin, task)?,
+        None => {
+            let measurement = opened.plate.run(task).ok_or_else(no_light)?;
+            let over = OverRim { mirrored: task, width: margin, scene: None };
+            let rim = (margin > 0.0).then(|| RimProof::dull(opened.plate.run(over), &measurement));
+            progress.stage(Stage::Scoring);
+            let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
+            let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
+            Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall: None }
+        }
+    };
 
     progress.stage(Stage::Files);
     let size = opened.size;
@@ -66,8 +90,10 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         lobe_deg: recipe.plate.lobe,
         metal,
         margin_mm: margin,
+        margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
+        on_wall: proof.wall.as_ref().map(|wall| wall.facts(&recipe)),
         measured: (&proof.verdict).into(),
-        advice: advice(&opened, &proof.verdict),
+        advice: advice(&opened, &proof),
     };
     staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
     let footer = format!(
@@ -88,6 +114,30 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The proof of a plate in its room.
+fn in_room(
+    recipe: &mut Recipe,
+    scene: &Scene,
+    opened: &Opened,
+    light: &Raster,
+    margin: f64,
+    mirrored: Mirrored,
+) -> Result<Proof, Failure> {
+    recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();
+    // Nobody knows of a file where its cells end.
+    recipe.plate.cells = Some(1);
+    let room = RoomProof { recipe, light, scene, mirrored };
+    let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
+    let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
+    let rim = thrown.as_ref().filter(|_| margin > 0.0).map(|thrown| {
+        let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) });
+        rim_proof(light, thrown, BorderFinish::Matt)
+    });
+    let (measurement, verdict, designed) = room.judged(thrown, None)?;
+    let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
+    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall })
+}
+
 /// The setup with the plate mounted at the angles that were given, degrees.
 fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
     let Some([theta, phi]) = mount else { return Ok(setup) };
@@ -102,8 +152,15 @@ fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
 }
 
 /// What a person should know of the mesh.
-fn advice(opened: &Opened, verdict: &Verdict) -> Vec<String> {
+fn advice(opened: &Opened, proof: &Proof) -> Vec<String> {
     let mut advice = opened.advice.clone();
+    let verdict = &proof.verdict;
+    if let Some(share) = proof.rim.as_ref().map(|rim| rim.into_picture.value).filter(|share| *share > 0.002) {
+        advice.push(format!(
+            "The margin was counted as dark: polished it would throw {:.1}% as much light as the rest into the picture.",
+            100.0 * share
+        ));
+    }
     if verdict.backface > 1e-4 {
         advice.push(format!(
             "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",

@@ -7,13 +7,28 @@ pub mod value;
 
 mod table;
 
+mod scene;
+
 #[cfg(test)]
 mod tests;
 
-pub use table::{LEAST_GRID, MOST_FACETS, SETTINGS};
+pub use table::{LEAST_GRID, MOST_FACETS};
 pub use value::Value;
 
 use super::{Recipe, RecipeError, SurfaceKind};
+
+/// Every setting but the picture itself, in the order of the help.
+pub static SETTINGS: &[Setting] = &joined();
+
+const fn joined() -> [Setting; table::GENERAL.len() + scene::SCENE.len()] {
+    let mut all = [table::PLAIN; table::GENERAL.len() + scene::SCENE.len()];
+    let mut k = 0;
+    while k < all.len() {
+        all[k] = if k < table::GENERAL.len() { table::GENERAL[k] } else { scene::SCENE[k - table::GENERAL.len()] };
+        k += 1;
+    }
+    all
+}
 
 /// One thing that a recipe can be told.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +68,8 @@ pub struct Setting {
 pub enum Section {
     /// The picture and the lamp.
     Optics,
+    /// Lamp and wall nearby.
+    Scene,
     /// The piece of metal.
     Plate,
     /// How the relief comes about.
@@ -66,6 +83,7 @@ impl Section {
     pub fn title(self) -> &'static str {
         match self {
             Self::Optics => "Highlight and light",
+            Self::Scene => "Lamp and wall nearby",
             Self::Plate => "Plate",
             Self::Design => "Design",
             Self::Running => "Running",

@@ -17,7 +17,7 @@ const fn renamed(word: &'static str, before: &'static str, help: &'static str) -
     Word { word, before: Some(before), help }
 }
 
-const PLAIN: Setting = Setting {
+pub(super) const PLAIN: Setting = Setting {
     name: "",
     before: None,
     key: "",
@@ -39,8 +39,8 @@ const DESIGN: Setting = Setting { section: Section::Design, ..PLAIN };
 const SHEET: Setting = Setting { only: Some(SurfaceKind::Sheet), section: Section::Design, ..LENGTH };
 const FACETS: Setting = Setting { only: Some(SurfaceKind::Facets), ..DESIGN };
 
-/// Every setting but the picture itself.
-pub static SETTINGS: &[Setting] = &[
+/// Settings of highlight, plate, design and proof.
+pub(super) const GENERAL: &[Setting] = &[
     Setting {
         name: "half-field",
         key: "highlight.half-field",
@@ -215,9 +215,26 @@ pub static SETTINGS: &[Setting] = &[
         name: "border",
         key: "plate.border",
         ranges: &[[0.0, 1000.0]],
-        help: "Flat rim around the optical area, mm",
+        help: "Rim around the optical area, mm",
+        more: "It begins level with the relief's lowest point, so that it shades nothing. What becomes of its light, \
+               --border-finish says.",
         at: |recipe| &mut recipe.plate.border,
         ..LENGTH
+    },
+    Setting {
+        name: "border-finish",
+        key: "plate.border-finish",
+        section: Section::Plate,
+        form: Text("FINISH"),
+        ranges: &[[1.0, 60.0]],
+        unset: "matt",
+        help: "How the --border is finished: matt, polished, or sloped:DEG, falling outward by so many degrees",
+        more: "A flat rim that is polished with the rest is one large mirror: 3 mm around 30 mm throw 30 % of all light \
+               into the middle of the picture. matt: it stays flat and is to be left dull, and counts as dark. \
+               polished: its light counts. sloped: it is polished and throws its light past the picture; without \
+               degrees it falls by the least that does.",
+        at: |recipe| &mut recipe.plate.border_finish,
+        ..ANGLE
     },
     Setting {
         name: "surface",
@@ -394,5 +411,16 @@ pub static SETTINGS: &[Setting] = &[
         help: "Rays sent over the plate",
         at: |recipe| &mut recipe.verify.rays,
         ..COUNT
+    },
+    Setting {
+        name: "eye-distance",
+        key: "verify.eye-distance",
+        section: Section::Running,
+        ranges: &[[100.0, 1e6]],
+        unset: "3000",
+        help: "From the eye to a wall nearby, mm: how finely its picture is looked at",
+        more: "An eye resolves 2.3 minutes of arc: 2 mm from 3 m.",
+        at: |recipe| &mut recipe.verify.eye_distance,
+        ..LENGTH
     },
 ];

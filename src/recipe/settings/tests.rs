@@ -29,9 +29,11 @@ fn other(setting: &Setting) -> String {
             words.iter().map(|word| word.word).find(|word| *word != setting.default()).unwrap().to_owned()
         }
         Form::Switch => "true".into(),
+        Form::Text("FINISH") => format!("sloped:{high}"),
         Form::Text("CUTTER") => format!("ball:{high}"),
         Form::Text("WxH") | Form::Text("NxM") => format!("{high}x{high}"),
         Form::Text("THETA,PHI") => "1,2".into(),
+        Form::Text("X,Y,Z") => "1,2,300".into(),
         Form::Text(_) => high.to_string(),
         Form::Table => unreachable!(),
     }

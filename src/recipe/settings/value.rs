@@ -13,8 +13,9 @@ use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
 use crate::picture::{Encoding, PictureFit};
 use crate::projection::Projection;
+use crate::scene::room::Room;
 
-use super::super::{Arrangement, Heights, LightSettings, Seen, SurfaceKind};
+use super::super::{Arrangement, BorderFinish, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
 
 /// A number with or without a fraction.
 pub fn number(text: &str) -> Result<f64, String> {
@@ -159,20 +160,65 @@ impl Value for Option<Cutter> {
     }
 }
 
-/// A table that no flag gives.
-impl Value for Option<Annealing> {
-    fn read(&mut self, _: &str) -> Result<(), String> {
-        Err("this can only be given in a recipe".into())
+impl Value for Option<BorderFinish> {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        BorderFinish::from_str(text).map(|finish| *self = Some(finish)).map_err(|error| error.to_string())
     }
 
     fn written(&self) -> Option<String> {
-        self.map(|_| "as the recipe says".into())
+        self.map(|finish| finish.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            Some(BorderFinish::Sloped(degrees)) => degrees.iter().copied().collect(),
+            _ => Vec::new(),
+        }
     }
 
     fn clear(&mut self) {
         *self = None;
     }
 }
+
+/// A place, three numbers with commas between them.
+impl Value for [f64; 3] {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        let numbers: Vec<f64> = text.split(',').map(number).collect::<Result<_, _>>()?;
+        let three = "write three numbers with ',' between them, such as 0,350,350";
+        numbers.try_into().map(|place| *self = place).map_err(|_| three.into())
+    }
+
+    fn written(&self) -> Option<String> {
+        let [x, y, z] = self;
+        Some(format!("{x},{y},{z}"))
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.to_vec()
+    }
+}
+
+/// Tables that no flag gives.
+macro_rules! tables {
+    ($($library:ty),+ $(,)?) => {$(
+        impl Value for Option<$library> {
+            fn read(&mut self, _: &str) -> Result<(), String> {
+                Err("this can only be given in a recipe".into())
+            }
+
+            fn written(&self) -> Option<String> {
+                self.map(|_| "as the recipe says".into())
+            }
+
+            fn clear(&mut self) {
+                *self = None;
+            }
+        }
+    )+};
+}
+
+tables!(Annealing, Room);
 
 /// Words, spelled as in a recipe.
 macro_rules! words {
@@ -210,7 +256,7 @@ macro_rules! optional_words {
     )+};
 }
 
-optional_words!(Heights, SurfaceKind);
+optional_words!(Heights, NearMethod, SurfaceKind);
 
 fn read_word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(text.into_deserializer()).map_err(|error: Error| error.to_string())

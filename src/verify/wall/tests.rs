@@ -35,7 +35,7 @@ fn a_flat_mirror_throws_itself_as_its_mirror_image_would_shine() {
     // A point of light 400 mm away is seen 400 mm behind the plate: its light passes the plate as through a window.
     let (surface, setup) = (one_facet(Slope::FLAT, DVec2::new(20.0, 12.0)), slanting(Projection::Screen));
     let experiment = Experiment::new(&surface, &setup).under_ball(400.0, 0.0);
-    let settings = WallSettings { wall_distance: 500.0, wall_tilt: 25.0, half_width: 40.0 };
+    let settings = WallSettings { wall_distance: 500.0, wall_tilt: 25.0, half_width: 40.0, ..WallSettings::default() };
     let measuring = Measuring { rays: 1_000_000, resolution: 64, ..Measuring::default() };
     let image = wall_image(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
 
@@ -118,7 +118,7 @@ fn a_tilted_facet_throws_where_its_mirror_sends() {
     let slope = Slope::new(0.05, -0.08);
     let (surface, setup) = (one_facet(slope, DVec2::splat(0.2)), slanting(Projection::Screen));
     let experiment = Experiment::new(&surface, &setup).under_ball(600.0, 0.0);
-    let settings = WallSettings { wall_distance: 700.0, wall_tilt: -30.0, half_width: 300.0 };
+    let settings = WallSettings { wall_distance: 700.0, wall_tilt: -30.0, half_width: 300.0, elsewhere: None };
     let measuring = Measuring { rays: 20_000, resolution: 300, ..Measuring::default() };
     let image = wall_image(&experiment, &settings, &measuring, &Progress::silent()).unwrap();
     let wall = Wall::new(&settings, &experiment);
@@ -216,7 +216,7 @@ fn extreme_settings_are_refused_or_give_finite_light() {
                         } else {
                             experiment.clone()
                         };
-                        let settings = WallSettings { wall_distance, wall_tilt, half_width };
+                        let settings = WallSettings { wall_distance, wall_tilt, half_width, elsewhere: None };
                         match wall_image(&experiment, &settings, &measuring, &Progress::silent()) {
                             Ok(light) => {
                                 collected += 1;

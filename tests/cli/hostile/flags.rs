@@ -87,6 +87,9 @@ const DESIGN: &[(&str, i32, &str)] = &[
     ("--thickness 5mm", 2, "--thickness"),
     ("--border -1", 2, "--border"),
     ("--border inf", 2, "--border"),
+    ("--border 2 --border-finish dull", 2, "sloped"),
+    ("--border 2 --border-finish sloped:80", 2, "--border-finish is 80"),
+    ("--border-finish polished", 2, "give --border too"),
     ("--surface curved", 2, "--surface"),
     // What one kind of relief does not have.
     ("--surface flat --grid 64", 2, "--grid is for a sheet, and --surface"),

@@ -7,6 +7,7 @@ use facetmill::recipe::{Recipe, SurfaceKind};
 
 use super::RunningArgs;
 use super::settings::{ByDesign, SettingFlags};
+use crate::console::Failure;
 use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
@@ -29,6 +30,14 @@ pub struct DesignArgs {
     /// A picture that the recipe names is looked for from the folder you are in.
     #[arg(long, value_name = "FILE", help_heading = "Design")]
     pub recipe: Option<PathBuf>,
+
+    /// Plate, lamp or sun, wall and picture in the room's own coordinates, mm, from this TOML file
+    ///
+    /// Axes are right-handed, z up. [plate] at, facing, top; [lamp] at and radius in mm, or sun = [degrees from z, from
+    /// x] and radius in degrees; [wall] through, facing; [picture] centre, width, up. Without a centre the picture is
+    /// where a flat plate would throw the lamp's light. The drawing is upright and right way round on the wall.
+    #[arg(long, value_name = "FILE", help_heading = "Lamp and wall nearby", conflicts_with_all = ["light", "light-radius", "half-field"])]
+    pub scene: Option<PathBuf>,
 
     #[command(flatten)]
     pub running: RunningArgs,
@@ -59,6 +68,11 @@ impl DesignArgs {
             recipe.picture = picture.to_str().map(Into::into);
         }
         self.settings.apply(recipe);
+    }
+
+    /// `recipe` with what its scene implies, unless a flag contradicts that.
+    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
+        self.settings.implied(recipe)
     }
 
     /// The kind of relief, if the flag was given.

@@ -62,7 +62,7 @@ pub struct MeasureArgs {
     /// in light of 650 nm instead of 550.
     #[arg(long, value_name = "MATERIAL", help_heading = "Plate", value_parser = material, conflicts_with = "ndf")]
     pub material: Option<Material>,
-    /// Rim that is no optical area and is not lit, mm  [default: 0]
+    /// Rim that is no optical area and is not lit, mm  [default: the design's --border if left dull, else 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     pub margin: Option<f64>,
     /// The plate as it is, or repeated without end  [default: endless for --brdf and --wrap, else finite]

@@ -94,6 +94,9 @@ pub struct VerifyArgs {
     /// Rim that is not optical area, mm  [default: 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = crate::values::number)]
     pub margin: Option<f64>,
+    /// Plate, lamp or sun, wall and picture in the room's own coordinates, as `design --scene` takes them
+    #[arg(long, value_name = "FILE", help_heading = "Lamp and wall nearby", conflicts_with_all = ["light", "light-radius", "half-field", "mount"])]
+    pub scene: Option<PathBuf>,
     /// Tilt at which the plate is mounted, degrees from +z and azimuth, as a --level design reports it
     #[arg(long, value_name = "THETA,PHI", help_heading = "Plate", value_parser = crate::values::angles, allow_hyphen_values = true)]
     pub mount: Option<[f64; 2]>,

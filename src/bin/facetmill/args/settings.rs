@@ -4,8 +4,10 @@ use std::marker::PhantomData;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
-use facetmill::recipe::Recipe;
 use facetmill::recipe::settings::{Form, SETTINGS, Section, Setting};
+use facetmill::recipe::{Recipe, SceneFault};
+
+use crate::console::Failure;
 
 /// A command that takes some of the settings.
 pub trait Takes {
@@ -34,7 +36,8 @@ pub struct ByVerify;
 
 impl Takes for ByVerify {
     fn takes(setting: &Setting) -> bool {
-        setting.section == Section::Optics || ["rays", "seed"].contains(&setting.name)
+        let of_scene = setting.section == Section::Scene && !["near", "focus"].contains(&setting.name);
+        setting.section == Section::Optics || of_scene || ["rays", "seed", "eye-distance"].contains(&setting.name)
     }
 
     fn shown(setting: &Setting, flag: Arg) -> Arg {
@@ -68,6 +71,26 @@ impl<C> SettingFlags<C> {
         let mut recipe = Recipe::default();
         self.apply(&mut recipe);
         recipe
+    }
+
+    /// `recipe` with what its scene implies, unless a flag contradicts that.
+    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
+        let flags = self.alone();
+        let given = |name: &str| self.has(name);
+        if given("lamp-at") && given("light") {
+            return Err(Failure::Usage("--light has no meaning beside --lamp-at: leave out one of the two".into()));
+        }
+        let implied = recipe.clone().with_implied();
+        let contradicts = |name: &str| match name {
+            "projection" => flags.highlight.projection != implied.highlight.projection,
+            "quantity" => flags.highlight.quantity != implied.highlight.quantity,
+            _ => flags.highlight.seen != implied.highlight.seen,
+        };
+        let all = ["projection", "quantity", "seen"];
+        match all.into_iter().find(|name| recipe.is_near() && given(name) && contradicts(name)) {
+            Some(name) => Err(Failure::Usage(format!("--{}", SceneFault::Implied(name)))),
+            None => Ok(implied),
+        }
     }
 
     /// Whether the setting of this name was given.

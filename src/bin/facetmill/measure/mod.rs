@@ -12,9 +12,10 @@ use facetmill::job::exports;
 use facetmill::lamp::Extent;
 use facetmill::picture::{self, Reading};
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
 use facetmill::report::{PROGRAM, text};
+use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::TracedPlate;
@@ -38,6 +39,8 @@ struct Bench {
     endless: bool,
     recipe: Recipe,
     setup: Setup,
+    /// Lamp and wall of the design, if they are near and nothing else is asked for.
+    scene: Option<Scene>,
     material: Material,
     lamp: Extent,
     measuring: Measuring,
@@ -65,6 +68,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let read = inputs::given([Some(&args.plate), args.lamp.as_deref()])?;
     let named = plates::named(&args.plate)?;
     let recipe = recipe(args, named.recipe)?;
+    // A rim that is left dull lights nothing.
+    let dull_rim = if recipe.border_finish() == BorderFinish::Matt { recipe.plate.border } else { 0.0 };
     let measuring = measuring(args, &recipe);
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
@@ -79,9 +84,12 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(0.0))?;
-    let (plate, endless) = extent(args, &opened)?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim))?;
+    let (plate, endless) = extent(args, &recipe, &opened)?;
+    let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
+    let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
     let bench = Bench {
+        scene,
         plate,
         endless,
         name: plates::name(&args.plate),
@@ -96,7 +104,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         brdf::measure(args, &bench, &mut staged, &progress)?
     } else if args.ndf {
         ndf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.wall.is_some() {
+    } else if args.wall.is_some() || bench.scene.is_some() {
         wall::measure(args, &bench, &mut staged, &progress)?
     } else if args.look {
         render::measure(args, &bench, &mut staged, &progress)?
@@ -152,9 +160,16 @@ fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
 }
 
 /// The plate as it is to be taken, and whether it goes on without end.
-fn extent(args: &MeasureArgs, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
+fn extent(args: &MeasureArgs, recipe: &Recipe, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
     let endless = opened.plate.clone().endless();
-    match (args.extent, endless) {
+    let differ = recipe.is_near();
+    if differ && (args.extent == Some(ExtentArg::Endless) || args.wrap.is_some()) {
+        return Err(Failure::Impossible(format!(
+            "{}: its cells differ, since each knows where lamp and wall are, so it cannot be repeated: use --extent finite",
+            args.plate.display()
+        )));
+    }
+    match (args.extent, endless.filter(|_| !differ)) {
         (Some(ExtentArg::Endless), None) => Err(Failure::Impossible(format!(
             "{}: this relief stands on no grid and cannot be repeated: use --extent finite",
             args.plate.display()

@@ -3,11 +3,14 @@
 use facetmill::export::float_tiff::write_float_tiff;
 use facetmill::export::rendered_view::{Exposure, wall_page};
 use facetmill::job::pictures::rays;
+use facetmill::lamp::Lamp;
 use facetmill::progress::{Progress, Stage};
 use facetmill::recipe::Seen;
 use facetmill::report::measure::{Measured, WallFacts};
+use facetmill::scene::Scene;
 use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
+use facetmill::verify::thrown::plate_origin;
 use facetmill::verify::wall::{WallError, WallImage, WallSettings, wall_image};
 
 use super::{Bench, Outcome};
@@ -18,6 +21,8 @@ use crate::tables::{percent, row};
 
 struct WallTask<'a> {
     bench: &'a Bench,
+    /// Lamp and wall of the design's own scene, if they are to be taken.
+    scene: Option<&'a Scene>,
     /// Distance and radius of a lamp nearby, mm.
     ball: Option<(f64, f64)>,
     settings: WallSettings,
@@ -31,6 +36,9 @@ impl Task for WallTask<'_> {
         if let Some((distance, radius)) = self.ball {
             experiment = experiment.under_ball(distance, radius);
         }
+        if let Some(scene) = self.scene {
+            experiment = experiment.in_scene(scene, plate_origin(surface));
+        }
         wall_image(&experiment, &self.settings, &self.bench.measuring, self.progress)
     }
 }
@@ -41,18 +49,24 @@ pub fn measure(
     staged: &mut Staged,
     progress: &Progress,
 ) -> Result<Outcome, Failure> {
-    let usual = WallSettings::default();
+    let scene = bench.scene.as_ref();
+    let usual = scene.and_then(|scene| scene.wall()).map_or_else(WallSettings::default, |wall| (*wall).into());
     let wall_distance = args.wall.unwrap_or(usual.wall_distance);
-    let lamp_distance = args.lamp_distance.unwrap_or(f64::INFINITY);
-    let lamp_radius = args.lamp_radius.unwrap_or(0.0);
+    let lamp_distance = scene.map_or(args.lamp_distance.unwrap_or(f64::INFINITY), Scene::lamp_distance);
+    let lamp_radius = match scene.map(Scene::lamp) {
+        Some(Lamp::Ball { radius, .. }) => *radius,
+        _ => args.lamp_radius.unwrap_or(0.0),
+    };
     // The whole highlight, what the plate's own size adds, and a rim.
     let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
-    let half_width = args.wall_width.map_or(1.1 * (wall_distance * reach + spread), |width| 0.5 * width);
-    let settings = WallSettings { wall_distance, wall_tilt: args.wall_tilt.unwrap_or(usual.wall_tilt), half_width };
+    let all = if scene.is_some() { usual.half_width } else { 1.1 * (wall_distance * reach + spread) };
+    let half_width = args.wall_width.map_or(all, |width| 0.5 * width);
+    let wall_tilt = args.wall_tilt.unwrap_or(usual.wall_tilt);
+    let settings = WallSettings { wall_distance, wall_tilt, half_width, ..usual };
     progress.stage(Stage::Wall);
     let ball = args.lamp_distance.map(|distance| (distance, lamp_radius));
-    let image = bench.plate.run(WallTask { bench, ball, settings, progress }).map_err(refused)?;
+    let image = bench.plate.run(WallTask { bench, scene, ball, settings, progress }).map_err(refused)?;
     progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {

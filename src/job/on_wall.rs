@@ -1,0 +1,373 @@
+//! The proof of a plate in its room: light thrown on the wall of its scene, as designed and as its cutter leaves it.
+
+use glam::{DVec2, DVec3};
+
+use super::design::{Design, DesignError};
+use super::proof::{MilledProof, Proof, RimProof};
+use crate::brdf::material::Material;
+use crate::export::sheet::sheet_solid;
+use crate::highlight::{Quantity, scored_target};
+use crate::lamp::Lamp;
+use crate::progress::{Progress, Stage};
+use crate::projection::View;
+use crate::raster::Raster;
+use crate::recipe::{BorderFinish, Recipe};
+use crate::relief::height_grid::HeightGrid;
+use crate::relief::open::OpenRelief;
+use crate::report::on_wall::{CellsOnWall, OnWallFacts, UnderSun};
+use crate::scene::Scene;
+use crate::sculpt::milled_facets::milled_facets;
+use crate::sculpt::room::milling::{milled, usual_tool};
+use crate::sculpt::room::objective::polished;
+use crate::sculpt::room::plate_grid::PlateGrid;
+use crate::slope::Slope;
+use crate::trace::Surface;
+use crate::trace::grid::GridSurface;
+use crate::trace::traced_plate::{Task, TracedPlate};
+use crate::verify::elsewhere::{Elsewhere, ThrownElsewhere};
+use crate::verify::experiment::Measuring;
+use crate::verify::measure::Mirrored;
+use crate::verify::rim::{OverRim, RimLight};
+use crate::verify::tally::Measurement;
+use crate::verify::thrown::{ACROSS, Throwing, Thrown, within_picture};
+use crate::verify::verdict::Verdict;
+use crate::verify::wall_verdict::{WallVerdict, eye_blur};
+
+/// Half the width of a lamp's housing where the lamp itself is smaller, mm: a pocket lamp.
+const HOUSING: f64 = 15.0;
+
+/// Light on a wall, and its figures there.
+#[derive(Clone, Debug)]
+pub struct WallLight {
+    /// The light.
+    pub thrown: Thrown,
+    /// Its figures.
+    pub verdict: WallVerdict,
+}
+
+/// What is said of a plate in its room.
+#[derive(Clone, Debug)]
+pub struct WallProof {
+    /// Lamp and wall.
+    pub scene: Scene,
+    /// From the eye to the wall, mm.
+    pub eye_distance: f64,
+    /// The drawing, [`ACROSS`] pixels a side, sum 1.
+    pub target: Raster,
+    /// The plate as it is designed, or as it stands in a file.
+    pub designed: WallLight,
+    /// The plate as its cutter leaves it, if one is named.
+    pub milled: Option<WallLight>,
+    /// What it throws elsewhere, of a relief that stands on a grid.
+    pub elsewhere: Option<ThrownElsewhere>,
+    /// Share of the picture's light that the lamp, [`HOUSING`] mm across or larger, stops on its way to the wall.
+    pub stopped_by_lamp: f64,
+}
+
+impl WallProof {
+    /// What a report says of it.
+    pub fn facts(&self, recipe: &Recipe) -> OnWallFacts {
+        let Self { scene, elsewhere, .. } = self;
+        let elsewhere = elsewhere.as_ref();
+        let [lamp, wall] = in_words(scene);
+        let cells = |windows: &[f64]| CellsOnWall {
+            mean: windows.iter().sum::<f64>() / windows.len() as f64,
+            largest: windows.iter().copied().fold(0.0, f64::max),
+        };
+        OnWallFacts {
+            lamp,
+            wall,
+            lamp_distance_mm: Some(scene.lamp_distance()).filter(|distance| distance.is_finite()),
+            wall_distance_mm: scene.wall_distance(),
+            picture_mm: scene.wall().map_or(f64::NAN, |wall| 2.0 * wall.half),
+            focus_mm: scene.focal_length(),
+            sag_mm: sag(scene, recipe.plate.size.into()),
+            mirror_miss_mm: mirror_miss(scene),
+            eye_distance_mm: self.eye_distance,
+            eye_blur_mm: eye_blur(self.eye_distance),
+            in_focus_mm: elsewhere.map(|elsewhere| elsewhere.focus),
+            in_focus_tv: elsewhere.map(|elsewhere| elsewhere.in_focus),
+            under_sun: elsewhere.map(|elsewhere| UnderSun { wall_mm: elsewhere.sun.0, tv: elsewhere.sun.1 }),
+            cells_tv: elsewhere.filter(|e| e.windows.len() > 1).map(|elsewhere| cells(&elsewhere.windows)),
+            stopped_by_lamp: self.stopped_by_lamp,
+            designed: (&self.designed.verdict).into(),
+            as_milled: self.milled.as_ref().map(|milled| (&milled.verdict).into()),
+        }
+    }
+}
+
+/// A proof in a room, to which plates are handed one by one.
+pub struct RoomProof<'a> {
+    /// Every setting.
+    pub recipe: &'a Recipe,
+    /// The drawing's light.
+    pub light: &'a Raster,
+    /// Lamp and wall.
+    pub scene: &'a Scene,
+    /// The scene from the plate's middle.
+    pub mirrored: Mirrored<'a>,
+}
+
+impl<'a> RoomProof<'a> {
+    /// Light sent to the wall.
+    pub fn throwing(&self) -> Throwing<'a> {
+        let Mirrored { metal, measuring, progress, .. } = self.mirrored;
+        let scene = self.scene;
+        Throwing { scene, metal, measuring, within: None, progress }
+    }
+
+    /// The drawing on `side` pixels.
+    pub fn target(&self, side: usize) -> Raster {
+        scored_target(self.light, Quantity::Flux, self.mirrored.setup, side)
+    }
+
+    /// What is said of light on the wall: within the picture as of any highlight, and on the wall, if there is one.
+    pub fn judged(
+        &self,
+        thrown: Option<Thrown>,
+        rim: Option<&RimLight>,
+    ) -> Result<(Measurement, Verdict, Option<WallLight>), DesignError> {
+        let Mirrored { setup, measuring, progress, .. } = self.mirrored;
+        progress.check()?;
+        let thrown = thrown.ok_or(DesignError::NoLight)?;
+        progress.stage(Stage::Scoring);
+        let thrown = match rim {
+            Some(rim) => rim.over(thrown),
+            None => thrown,
+        };
+        let measurement = within_picture(&thrown);
+        let verdict = Verdict::new(&measurement, &self.target(measuring.resolution), setup.view(), progress);
+        let on_wall = WallVerdict::new(&thrown, &self.target(ACROSS), self.scene, self.recipe.eye_distance());
+        progress.check()?;
+        let on_wall = on_wall.map(|verdict| WallLight { thrown, verdict });
+        Ok((measurement, verdict.ok_or(DesignError::NoLight)?, on_wall))
+    }
+
+    /// The whole proof from what was judged of the plate as designed.
+    pub fn wall_proof(&self, designed: Option<WallLight>, elsewhere: Option<ThrownElsewhere>) -> Option<WallProof> {
+        let target = self.target(ACROSS);
+        let stopped_by_lamp = stopped_by_lamp(self.scene, self.recipe.plate.size.into(), &target);
+        let (scene, eye_distance) = (self.scene.clone(), self.recipe.eye_distance());
+        designed.map(|designed| WallProof {
+            scene,
+            eye_distance,
+            target,
+            designed,
+            milled: None,
+            elsewhere,
+            stopped_by_lamp,
+        })
+    }
+
+    /// What a plate throws elsewhere; a share of it may be dark.
+    pub fn elsewhere(&self) -> ElsewhereOf<'_> {
+        ElsewhereOf {
+            scene: self.scene,
+            target: self.target(ACROSS),
+            cells: self.recipe.cells(),
+            progress: self.mirrored.progress,
+        }
+    }
+}
+
+/// [`Elsewhere`] with a drawing of its own.
+pub struct ElsewhereOf<'a> {
+    scene: &'a Scene,
+    target: Raster,
+    cells: [usize; 2],
+    progress: &'a Progress<'a>,
+}
+
+impl Task for ElsewhereOf<'_> {
+    type Output = Option<ThrownElsewhere>;
+
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        let Self { scene, ref target, cells, progress } = self;
+        Elsewhere { scene, target, cells, progress }.on(surface)
+    }
+}
+
+/// Light thrown on the wall, what the plate throws elsewhere, and light of its rim.
+struct InRoom<'a> {
+    throwing: Throwing<'a>,
+    elsewhere: ElsewhereOf<'a>,
+}
+
+impl Task for InRoom<'_> {
+    type Output = (Option<Thrown>, Option<ThrownElsewhere>);
+
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
+        (self.throwing.on(surface), self.elsewhere.on(surface))
+    }
+}
+
+/// Sends the light of `scene` over the design's exact relief, and over it as its cutter and polish leave it, to its wall.
+pub(super) fn prove_in_room(
+    recipe: &Recipe,
+    scene: &Scene,
+    light: &Raster,
+    design: &Design,
+    progress: &Progress,
+) -> Result<Proof, DesignError> {
+    progress.stage(Stage::Tracing);
+    let setup = &design.distribution.setup;
+    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let metal: Material = recipe.metal();
+    let room = RoomProof {
+        recipe,
+        light,
+        scene,
+        mirrored: Mirrored { setup, metal: &metal, measuring: &measuring, progress },
+    };
+    let sheet = design.near.as_ref().and_then(|near| near.sheet.as_ref());
+    let task = InRoom { throwing: room.throwing(), elsewhere: room.elsewhere() };
+    let border = recipe.plate.border;
+    let (thrown, elsewhere) = match sheet {
+        None => task.on(&GridSurface::new(&design.relief)),
+        // Without its rim: that is lit by itself.
+        Some(sheet) if border > 0.0 => {
+            TracedPlate::new(&sheet_solid(&sheet.relief, recipe.plate.thickness, 0.0)?, 0.0)?.run(task)
+        }
+        Some(_) => TracedPlate::new(&design.mesh, 0.0)?.run(task),
+    };
+    let rim = match &thrown {
+        Some(thrown) if border > 0.0 => {
+            let over = OverRim { mirrored: room.mirrored, width: border, scene: Some(scene) };
+            let light = match sheet {
+                None => over.on(&GridSurface::new(&design.relief)),
+                Some(_) => TracedPlate::new(&design.mesh, border)?.run(over),
+            };
+            Some(rim_proof(light, thrown, recipe.border_finish()))
+        }
+        _ => None,
+    };
+    let over_all = rim.as_ref().filter(|rim| rim.counts).map(|rim| &rim.light);
+    let (measurement, verdict, designed) = room.judged(thrown, over_all)?;
+    let mut wall = room.wall_proof(designed, elsewhere);
+    let mut milled = None;
+    if let Some((thrown, left)) = over_milled(&room, design, sheet.map(|sheet| &sheet.relief))? {
+        let (measurement, verdict, on_wall) = room.judged(thrown, over_all)?;
+        milled = Some(MilledProof { left, measurement, verdict });
+        if let Some(wall) = &mut wall {
+            wall.milled = on_wall;
+        }
+    }
+    let target = room.target(measuring.resolution);
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall })
+}
+
+/// Light of a rim beside that of the plate on its wall; what falls into the picture is looked at.
+pub fn rim_proof(light: RimLight, thrown: &Thrown, finish: BorderFinish) -> RimProof {
+    let dull = RimProof::dull(light.within_picture(), &within_picture(thrown));
+    RimProof { light, counts: finish != BorderFinish::Matt, ..dull }
+}
+
+/// Light over the plate as its cutter and polish leave it, and the most that the cutter leaves, mm; `None` without them.
+#[allow(clippy::type_complexity)]
+fn over_milled(
+    room: &RoomProof,
+    design: &Design,
+    sheet: Option<&OpenRelief>,
+) -> Result<Option<(Option<Thrown>, f64)>, DesignError> {
+    let (cutter, polish) = (room.recipe.design.sheet.cutter, room.recipe.design.sheet.polish);
+    let progress = room.mirrored.progress;
+    if cutter.is_none() && polish.is_none() {
+        return Ok(None);
+    }
+    progress.stage(Stage::Milling);
+    let (surface, left) = match (sheet, cutter) {
+        (None, None) => return Ok(None),
+        (None, Some(cutter)) => {
+            let cut = milled_facets(&design.relief, cutter, progress);
+            (cut.surface, cut.most_left)
+        }
+        (Some(relief), _) => {
+            let grid = PlateGrid::of(relief, cutter);
+            let written = grid.embedded(relief);
+            let (grid, heights, left) = match cutter {
+                None => (grid, written, 0.0),
+                Some(cutter) => {
+                    let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress);
+                    let left = cut.most_left();
+                    (cut.grid, cut.heights, left)
+                }
+            };
+            let heights = polish.map_or(heights.clone(), |sigma| polished(&grid, heights, sigma));
+            (height_grid(&grid.plate(&heights)), left)
+        }
+    };
+    progress.check()?;
+    Ok(Some((room.throwing().on(&GridSurface::continuous(&surface)), left)))
+}
+
+fn height_grid(relief: &OpenRelief) -> HeightGrid {
+    let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
+    let [nx, ny] = relief.nodes;
+    let heights = relief.heights.iter().map(|z| f64::from(*z)).collect();
+    HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights)
+}
+
+/// Share of the picture's light that a lamp nearby stops: rays from places all over the plate to the drawing's lit points.
+fn stopped_by_lamp(scene: &Scene, size: DVec2, target: &Raster) -> f64 {
+    let Lamp::Ball { middle, radius } = *scene.lamp() else { return 0.0 };
+    let radius = radius.max(HOUSING);
+    let drawn = target.resampled(64, 64);
+    let (mut stopped, mut all) = (0.0, 0.0);
+    for place in (0..25).map(|k| DVec2::new((k % 5) as f64, (k / 5) as f64) / 5.0 - 0.4) {
+        let place = (place * size).extend(0.0);
+        for (k, light) in drawn.values.iter().enumerate().filter(|(_, light)| **light > 0.0) {
+            let uv = View::pixel_centre(k % 64, k / 64, 64, 64);
+            let Some(o) = scene.direction_to(place, uv) else { continue };
+            all += light;
+            let along = (middle - place).dot(o);
+            let met = scene.wall().is_none_or(|wall| along < wall.depth(place) / o.dot(wall.normal()));
+            if along > 0.0 && met && (middle - place - along * o).length() < radius {
+                stopped += light;
+            }
+        }
+    }
+    if all > 0.0 { stopped / all } else { 0.0 }
+}
+
+/// How deep the bowl is that lamp and wall ask of a plate of `size`, mm: of the paraboloid that touches the ellipsoid with
+/// foci at lamp and picture.
+pub fn sag(scene: &Scene, size: DVec2) -> f64 {
+    let l = scene.light(DVec3::ZERO).direction;
+    let (cos, along) = (l.z.max(1e-3), l.truncate().try_normalize().unwrap_or(DVec2::X));
+    let height = |at: DVec2| {
+        let (t, u) = (at.dot(along), at.perp_dot(along));
+        (cos * t * t + u * u / cos) / (4.0 * scene.focal_length())
+    };
+    let corners = [size, DVec2::new(size.x, -size.y)].map(|corner| height(0.5 * corner));
+    corners[0].max(corners[1])
+}
+
+/// From the picture's middle to where the flat plate would throw the lamp's light, mm on the wall.
+pub fn mirror_miss(scene: &Scene) -> Option<f64> {
+    let uv = scene.thrown(DVec3::ZERO, Slope::FLAT)?;
+    scene.wall().map(|wall| uv.length() * wall.half)
+}
+
+/// Lamp and wall in words.
+pub fn in_words(scene: &Scene) -> [String; 2] {
+    let l = scene.light(DVec3::ZERO).direction;
+    let (theta, phi) = (l.z.clamp(-1.0, 1.0).acos().to_degrees(), l.y.atan2(l.x).to_degrees());
+    let angles = if theta < 0.05 {
+        "straight above the plate".into()
+    } else {
+        format!("{theta:.0}° off the plate's normal toward {phi:.0}°")
+    };
+    let lamp = match *scene.lamp() {
+        Lamp::Ball { radius, .. } if radius > 0.0 => {
+            format!("lamp of {:.1} mm across, {:.2} m away, {angles}", 2.0 * radius, 1e-3 * scene.lamp_distance())
+        }
+        Lamp::Ball { .. } => format!("point of light {:.2} m away, {angles}", 1e-3 * scene.lamp_distance()),
+        Lamp::Distant(_) => format!("distant lamp, {angles}"),
+    };
+    let wall = scene.wall().map_or("endlessly far screen".into(), |wall| {
+        let slant = wall.centre.normalize_or_zero().dot(wall.normal()).clamp(-1.0, 1.0).acos().to_degrees();
+        let tilt = if slant < 0.05 { String::new() } else { format!(", met at {slant:.0}° from its normal") };
+        format!("wall {:.2} m away{tilt}, picture {:.0} mm wide", 1e-3 * scene.wall_distance(), 2.0 * wall.half)
+    });
+    [lamp, wall]
+}
