@@ -41,6 +41,8 @@ pub struct NearField {
     focus: DVec2,
     /// The slope at the plate's middle that lights it.
     mean: DVec2,
+    /// Height of the base at the plate's middle, mm, with which its mean height is 0.
+    middle: f64,
     /// g of the warp, per mm.
     gain: DVec2,
     /// Q of the warp, per mm: `q[j][i][k]`, symmetric in i and k.
@@ -63,7 +65,9 @@ impl NearField {
     pub fn new(scene: &Scene, size: DVec2, mean: Slope) -> Option<Self> {
         let focus = scene.thrown(DVec3::ZERO, mean)?;
         let mean = mean.to_vec();
-        let mut near = Self { scene: scene.clone(), size, focus, mean, gain: DVec2::ZERO, q: [[[0.0; 2]; 2]; 2] };
+        let mut near =
+            Self { scene: scene.clone(), size, focus, mean, middle: 0.0, gain: DVec2::ZERO, q: [[[0.0; 2]; 2]; 2] };
+        near.middle = -near.mean_height();
         let t = near.cross_derivatives()?;
         // T_0j1 - T_1j0 = δ_0j g_1 - δ_1j g_0.
         near.gain = DVec2::new(t[1][1][0] - t[0][1][1], t[0][0][1] - t[1][0][0]);
@@ -112,12 +116,20 @@ impl NearField {
         at.extend(self.base(at))
     }
 
-    /// Height of the base at `at`, mm from the plate's middle, where it is 0.
+    /// Mean height of the base over the plate, mm.
+    fn mean_height(&self) -> f64 {
+        let part = |k: usize| (k as f64 + 0.5) / LOOKED_AT as f64 - 0.5;
+        let each = LOOKED_AT * LOOKED_AT;
+        let at = |k: usize| self.size * DVec2::new(part(k % LOOKED_AT), part(k / LOOKED_AT));
+        (0..each).map(|k| self.base(at(k))).sum::<f64>() / each as f64
+    }
+
+    /// Height of the base at `at`, mm from the plate's middle; its mean over the plate is 0.
     pub fn base(&self, at: DVec2) -> f64 {
         // Newton: the way from lamp to focus changes with the height by -(l + o)_z. It is nearly linear over a base's
         // sag, and three steps are exact to rounding.
-        let whole = self.way(DVec3::ZERO);
-        let mut z = self.mean.dot(at);
+        let whole = self.way(self.middle * DVec3::Z);
+        let mut z = self.middle + self.mean.dot(at);
         for _ in 0..4 {
             let place = at.extend(z);
             let toward =
@@ -234,7 +246,9 @@ mod tests {
         }
         let bowl = near(0.0, 500.0, 1000.0, 0.0);
         let f = bowl.scene.focal_length();
-        assert!((bowl.base(DVec2::new(15.0, 0.0)) / (225.0 / (4.0 * f)) - 1.0).abs() < 1e-3);
+        let rise = bowl.base(DVec2::new(15.0, 0.0)) - bowl.base(DVec2::ZERO);
+        assert!((rise / (225.0 / (4.0 * f)) - 1.0).abs() < 1e-3);
+        assert!(bowl.mean_height().abs() < 1e-6 && bowl.base(DVec2::ZERO) < 0.0);
         assert!((bowl.sag() / (450.0 / (4.0 * f)) - 1.0).abs() < 1e-3);
     }
 

@@ -17,7 +17,8 @@
 //! All grids hold values at nodes, from one edge of the unit square to the other, and readers interpolate between
 //! them. (s1, s2) is (u, v) after the warp that makes `vndf` uniform: there a lobe takes up the whole square, so that
 //! a coarse grid is enough for colour while `ndf` and `vndf` carry its shape. Its nodes are fitted to the table by least
-//! squares: all of the light that a measured table counted bears on them, and the coarser the grid the less they scatter.
+//! squares under the condition that none is negative: all of the light that a measured table counted bears on them, the
+//! coarser the grid the less they scatter, and the light of each incidence stays what it is ([`BsdfFacts`]).
 //!
 //! D is not measured by itself here but drawn from the table: 4 f_r cosθi cosθo = D F G, averaged over incidence with
 //! the weight cosθi cos²θo, which fades where half vectors send light below the horizon. A small diffuse share is
@@ -31,6 +32,8 @@
 //! 240 and 250). Half the columns in rows do well for smooth lobes: with 32 rows GGX of α = 0.2 came out within 1.6 %
 //! on a sphere, with 64 within 0.7 %.
 
+mod corners;
+
 mod fit;
 
 mod tensor;
@@ -43,8 +46,10 @@ mod tests;
 use std::io::{self, Write};
 
 use rayon::prelude::*;
+use serde::Serialize;
 use thiserror::Error;
 
+use self::corners::{bilinear, corner_values};
 use self::fit::GridFit;
 use self::tensor::{Tensor, write_tensors};
 use self::warp::Warp;
@@ -92,8 +97,17 @@ pub enum BsdfColour<'a> {
     Spectral(&'a [(f64, &'a BrdfTable)]),
 }
 
+/// What the colours of a `.bsdf` file came to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct BsdfFacts {
+    /// The least of its colour values: never below 0.
+    pub least_value: f64,
+    /// Light above the horizon in its colours, as a share of that in the table, over all incidences and colours.
+    pub light: f64,
+}
+
 /// Writes the `.bsdf` file. Memory: about what the file takes.
-pub fn write_bsdf(colour: BsdfColour, settings: &BsdfSettings, out: &mut impl Write) -> Result<(), BsdfError> {
+pub fn write_bsdf(colour: BsdfColour, settings: &BsdfSettings, out: &mut impl Write) -> Result<BsdfFacts, BsdfError> {
     let (tables, weights): (Vec<&BrdfTable>, Vec<f64>) = match colour {
         BsdfColour::Grey(table) => (vec![table], vec![1.0]),
         BsdfColour::Rgb(tables) => (tables.to_vec(), vec![0.2126, 0.7152, 0.0722]),
@@ -154,7 +168,18 @@ pub fn write_bsdf(colour: BsdfColour, settings: &BsdfSettings, out: &mut impl Wr
         fields.push(Tensor::floats("rgb", &shape, coloured));
     }
     write_tensors(&fields, out)?;
-    Ok(())
+    Ok(facts(&slices))
+}
+
+/// What all slices together came to.
+fn facts(slices: &[Slice]) -> BsdfFacts {
+    let values = slices.iter().flat_map(|slice| slice.colour.iter().flatten());
+    let sum = |part: fn(&Slice) -> f64| slices.iter().map(part).sum::<f64>();
+    let (held, wanted) = (sum(|slice| slice.light[0]), sum(|slice| slice.light[1]));
+    BsdfFacts {
+        least_value: values.fold(f64::INFINITY, |least, value| least.min(f64::from(*value))),
+        light: if wanted > 0.0 { held / wanted } else { 1.0 },
+    }
 }
 
 /// The distribution of normals at the corners of the table's cells.
@@ -174,6 +199,8 @@ struct Slice {
     vndf: Vec<f32>,
     luminance: Vec<f32>,
     colour: Vec<Vec<f32>>,
+    /// Sum over the points of the fit above the horizon: of the grid, and of the table.
+    light: [f64; 2],
 }
 
 impl<'a> Normals<'a> {
@@ -267,31 +294,36 @@ impl<'a> Normals<'a> {
             .collect();
         let warp = Warp::new(&vndf, columns);
         let places = fit.places(|s1, s2| warp.sample(s1, s2));
-        let colour: Vec<Vec<f32>> = tables
-            .iter()
-            .map(|table| {
-                let mut shape = corner_values(&[*table], &[1.0], slice);
-                let out = |node: usize| {
-                    let (u, v) = place(node);
-                    mirror(l, axes.half_vector(slice, u, v))
-                };
-                for (node, value) in shape.iter_mut().enumerate() {
-                    *value = value.max(0.0) * out(node).z * 4.0 * sigma / self.density[node];
+        let above: Vec<bool> = places.iter().map(|&(u, v)| mirror(l, axes.half_vector(slice, u, v)).z > 0.0).collect();
+        let equations = fit.equations(&above);
+        let mut light = [0.0; 2];
+        let mut colour = Vec::with_capacity(tables.len());
+        for table in tables {
+            let mut shape = corner_values(&[*table], &[1.0], slice);
+            let out = |node: usize| {
+                let (u, v) = place(node);
+                mirror(l, axes.half_vector(slice, u, v))
+            };
+            for (node, value) in shape.iter_mut().enumerate() {
+                *value = value.max(0.0) * out(node).z * 4.0 * sigma / self.density[node];
+            }
+            // Light falls to zero at the horizon. Between the table's corners it does if it goes on below as the
+            // negative of what is above.
+            let mirrored = shape.clone();
+            for (node, value) in shape.iter_mut().enumerate() {
+                let mut o = out(node);
+                if o.z < 0.0 {
+                    o.z = -o.z;
+                    let (u, v) = axes.coordinates(l, o);
+                    *value = -bilinear(&mirrored, columns, u, v).max(0.0);
                 }
-                // Readers never ask below the horizon but interpolate across it: light falls to zero there, and goes
-                // on below as the negative of what is above, so that lines between nodes meet zero at the horizon.
-                let above = shape.clone();
-                for (node, value) in shape.iter_mut().enumerate() {
-                    let mut o = out(node);
-                    if o.z < 0.0 {
-                        o.z = -o.z;
-                        let (u, v) = axes.coordinates(l, o);
-                        *value = -bilinear(&above, columns, u, v).max(0.0);
-                    }
-                }
-                fit.nodes(places.iter().map(|&(u, v)| bilinear(&shape, columns, u, v)))
-            })
-            .collect();
+            }
+            let values: Vec<f64> = places.iter().map(|&(u, v)| bilinear(&shape, columns, u, v).max(0.0)).collect();
+            let nodes = equations.nodes(&values);
+            light[0] += equations.light(&nodes.iter().map(|node| f64::from(*node)).collect::<Vec<_>>());
+            light[1] += values.iter().zip(&above).filter(|(_, above)| **above).map(|(value, _)| value).sum::<f64>();
+            colour.push(nodes);
+        }
         let mut luminance: Vec<f32> = (0..colour[0].len())
             .map(|k| colour.iter().zip(weights).map(|(c, w)| f64::from(c[k]) * w).sum::<f64>().max(0.0) as f32)
             .collect();
@@ -299,7 +331,7 @@ impl<'a> Normals<'a> {
         if luminance.iter().all(|v| *v <= 0.0) {
             luminance.fill(1.0);
         }
-        Slice { vndf: vndf.iter().map(|v| *v as f32).collect(), luminance, colour }
+        Slice { vndf: vndf.iter().map(|v| *v as f32).collect(), luminance, colour, light }
     }
 }
 
@@ -313,63 +345,6 @@ impl Sigma {
 /// dm/(du dv): solid angle per area of the unit square.
 fn jacobian(u: f64) -> f64 {
     2.0 * PI * PI * u * (PI / 2.0 * u * u).sin()
-}
-
-/// The value at (u, v) in [0, 1]² of a grid of nodes with `columns` columns.
-fn bilinear(values: &[f64], columns: usize, u: f64, v: f64) -> f64 {
-    let rows = values.len() / columns;
-    let place = |t: f64, n: usize| {
-        let at = t.clamp(0.0, 1.0) * (n - 1) as f64;
-        let low = (at as usize).min(n - 2);
-        (low, at - low as f64)
-    };
-    let ((x, s), (y, t)) = (place(u, columns), place(v, rows));
-    let row = |y: usize| values[x + columns * y] * (1.0 - s) + values[x + 1 + columns * y] * s;
-    row(y) * (1.0 - t) + row(y + 1) * t
-}
-
-/// The weighted sum of tables at the corners of their cells, (columns + 1) × (rows + 1), from the means of the cells:
-/// (-1, 7, 7, -1)/12 along either axis, exact for cubics, kept between the least and greatest mean it is drawn from.
-/// Cells that hold nothing lend their neighbour's value.
-fn corner_values(tables: &[&BrdfTable], weights: &[f64], slice: usize) -> Vec<f64> {
-    let axes = tables[0].axes();
-    let (columns, rows) = (axes.columns(), axes.rows());
-    let mut cells = vec![0.0; columns * rows];
-    for (table, weight) in tables.iter().zip(weights) {
-        for (cell, value) in cells.iter_mut().zip(table.slice(slice)) {
-            *cell += weight * f64::from(*value);
-        }
-    }
-    let edge = |four: [f64; 4]| {
-        let [b, c] = match [four[1].is_nan(), four[2].is_nan()] {
-            [true, true] => return f64::NAN,
-            [true, false] => [four[2]; 2],
-            [false, true] => [four[1]; 2],
-            _ => [four[1], four[2]],
-        };
-        let a = if four[0].is_nan() { b } else { four[0] };
-        let d = if four[3].is_nan() { c } else { four[3] };
-        let (least, greatest) =
-            [a, b, c, d].iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, v| (r.0.min(*v), r.1.max(*v)));
-        ((7.0 * (b + c) - a - d) / 12.0).clamp(least, greatest)
-    };
-    // Along u, edges of the table lie half a cell outside the means: the first mean stands for the pole.
-    let mut along = vec![0.0; (columns + 1) * rows];
-    for row in 0..rows {
-        let cell = |k: isize| cells[k.clamp(0, columns as isize - 1) as usize + columns * row];
-        for column in 0..=columns {
-            let k = column as isize;
-            along[column + (columns + 1) * row] = edge([k - 2, k - 1, k, k + 1].map(cell));
-        }
-    }
-    let mut corners = vec![0.0; (columns + 1) * (rows + 1)];
-    for (node, corner) in corners.iter_mut().enumerate() {
-        let (column, row) = (node % (columns + 1), node / (columns + 1));
-        let value = |k: usize| along[column + (columns + 1) * ((row + rows + k - 2) % rows)];
-        let value = edge([value(0), value(1), value(2), value(3)]);
-        *corner = if value.is_nan() { 0.0 } else { value };
-    }
-    corners
 }
 
 /// Why a `.bsdf` cannot be written.

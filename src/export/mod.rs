@@ -8,6 +8,8 @@ pub mod sheet;
 
 pub mod stl;
 
+pub mod mesh_files;
+
 pub mod pixels;
 
 pub mod lettering;

@@ -89,7 +89,7 @@ pub const DESIGN: &[Export] = &[
 ];
 
 /// Every file that a verification may write.
-pub const VERIFY: &[&str] = &["target.png", "simulated.png", "comparison.png", "report.json"];
+pub const VERIFY: &[&str] = &["target.png", "simulated.png", "comparison.png", "comparison_milled.png", "report.json"];
 
 /// Every file that any measurement may write.
 pub const MEASURE: &[&str] = &[

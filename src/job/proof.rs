@@ -8,10 +8,12 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{BorderFinish, Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
+use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
+use crate::relief::recognise::{Recognised, recognise};
+use crate::relief::repeats::{repeated, within};
 use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
 use crate::sculpt::milled_facets::milled_facets;
-use crate::sculpt::stages::Sheet;
 use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
 use crate::trace::Surface;
@@ -114,7 +116,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         Ok::<_, DesignError>((measurement, verdict))
     };
     let (measurement, verdict) = judged(measurement)?;
-    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, sheet, progress));
+    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, &sheet.relief, progress));
     progress.check()?;
     let sheet = match &made {
         Some(made) => made.looked_at(recipe, &target, setup, progress)?,
@@ -161,8 +163,7 @@ struct CutSheet {
 }
 
 impl CutSheet {
-    fn of(recipe: &Recipe, sheet: &Sheet, progress: &Progress) -> Self {
-        let relief = &sheet.relief;
+    fn of(recipe: &Recipe, relief: &PeriodicRelief, progress: &Progress) -> Self {
         let (cut, left) = match recipe.design.sheet.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
@@ -212,6 +213,47 @@ fn send_over_milled(
             Ok(Some((surface.run(mirrored), made.left)))
         }
         None => Ok(cutter.map(|cutter| send_over_milled_facets(&design.relief, cutter, mirrored))),
+    }
+}
+
+/// Light sent over the plate of `recipe` that stands in `mesh`, as its cutter and polish leave it, and the most that the
+/// cutter leaves, mm; `None` without them, or if the mesh is no such plate. The optical area is the xy bounding box less
+/// `margin` mm on each side.
+///
+/// # Errors
+/// The milled plate cannot be closed or traced.
+pub fn send_over_milled_mesh(
+    recipe: &Recipe,
+    mesh: &Mesh,
+    margin: f64,
+    mirrored: Mirrored,
+) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+    let cutter = recipe.design.sheet.cutter;
+    if cutter.is_none() && recipe.design.sheet.polish.is_none() {
+        return Ok(None);
+    }
+    let (low, high) = mesh.bounds();
+    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
+    mirrored.progress.stage(Stage::Milling);
+    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
+    match recognise(if margin > 0.0 { &upper } else { mesh }) {
+        Some(Recognised::Heights(grid)) => {
+            let Some(relief) = repeated(&grid, low, high, recipe.cells()) else { return Ok(None) };
+            let made = CutSheet::of(recipe, &relief, mirrored.progress);
+            let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
+            Ok(Some((surface.run(mirrored), made.left)))
+        }
+        Some(Recognised::Facets(mut relief)) => {
+            let lines = |lines: &[f64], low: f64, high: f64| {
+                let slack = 1e-6 * (high - low);
+                let first = lines.partition_point(|line| *line < low - slack);
+                first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
+            };
+            relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
+            let whole = !relief.optical.0.is_empty() && !relief.optical.1.is_empty();
+            Ok(cutter.filter(|_| whole).map(|cutter| send_over_milled_facets(&relief, cutter, mirrored)))
+        }
+        None => Ok(None),
     }
 }
 

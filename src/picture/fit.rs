@@ -9,7 +9,7 @@ use crate::raster::Raster;
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// The light as it will be used: square, row 0 on top.
-pub fn place(light: Raster, reading: &Reading, notes: &mut Vec<String>) -> Raster {
+pub(crate) fn place(light: Raster, reading: &Reading, notes: &mut Vec<String>) -> Raster {
     let (width, height) = (light.width, light.height);
     if width != height {
         notes.push(match reading.fit {

@@ -7,19 +7,66 @@ pub(crate) fn png_size(bytes: &[u8]) -> Option<(u64, u64)> {
     (bytes.get(12..16)? == b"IHDR").then_some((number(16)?, number(20)?))
 }
 
+/// The chunks of a PNG that are there as a whole: kind and content.
+pub(crate) fn png_chunks(bytes: &[u8]) -> impl Iterator<Item = (&[u8; 4], &[u8])> {
+    let mut rest = bytes.get(8..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let (length, after) = rest.split_first_chunk()?;
+        let (kind, after) = after.split_first_chunk()?;
+        let (content, after) = after.split_at_checked(u32::from_be_bytes(*length) as usize)?;
+        // Four bytes of checksum.
+        rest = after.get(4..)?;
+        Some((kind, content))
+    })
+}
+
 /// Length in bytes of a PNG's palette if it is not 1 to 256 colours of three bytes (PNG specification, 11.2.2).
 pub(crate) fn wrong_png_palette(bytes: &[u8]) -> Option<usize> {
-    let mut at = 8;
-    while let Some((length, rest)) = bytes.get(at..).and_then(|chunk| chunk.split_first_chunk()) {
-        let length = u32::from_be_bytes(*length) as usize;
-        match rest.first_chunk()? {
-            b"PLTE" if length == 0 || length > 3 * 256 || !length.is_multiple_of(3) => return Some(length),
-            b"IDAT" | b"IEND" => return None,
-            // The chunk's length, kind and checksum have four bytes each.
-            _ => at = at.checked_add(length)?.checked_add(12)?,
+    let before = png_chunks(bytes).take_while(|(kind, _)| !matches!(*kind, b"IDAT" | b"IEND"));
+    let mut lengths = before.filter(|(kind, _)| *kind == b"PLTE").map(|(_, content)| content.len());
+    lengths.find(|&length| length == 0 || length > 3 * 256 || !length.is_multiple_of(3))
+}
+
+/// A PNG that has no end, ended where its bytes do; `None` if it has an end, or no data to end.
+pub(crate) fn ended_png(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut ended = bytes.get(..8)?.to_vec();
+    let mut data = false;
+    let add = |ended: &mut Vec<u8>, kind: &[u8; 4], content: &[u8]| {
+        ended.extend((content.len() as u32).to_be_bytes());
+        ended.extend(kind);
+        ended.extend(content);
+        let mut checksum = crc32fast::Hasher::new();
+        checksum.update(kind);
+        checksum.update(content);
+        ended.extend(checksum.finalize().to_be_bytes());
+    };
+    let mut whole = 8;
+    for (kind, content) in png_chunks(bytes) {
+        if kind == b"IEND" {
+            return None;
         }
+        data |= kind == b"IDAT";
+        ended.extend(&bytes[whole..whole + content.len() + 12]);
+        whole += content.len() + 12;
     }
-    None
+    // What is there of the chunk in which the bytes end; of its checksum, too, where that is what is cut.
+    if let Some((length, rest)) = bytes[whole..].split_first_chunk()
+        && let Some((b"IDAT", content)) = rest.split_first_chunk()
+    {
+        let length = u32::from_be_bytes(*length) as usize;
+        add(&mut ended, b"IDAT", &content[..content.len().min(length)]);
+        data = true;
+    }
+    add(&mut ended, b"IEND", &[]);
+    data.then_some(ended)
+}
+
+/// Whether a PNG or a WebP says that it moves.
+pub(crate) fn moves(bytes: &[u8]) -> bool {
+    match bytes.get(..4) {
+        Some(b"RIFF") => bytes.get(12..16) == Some(b"VP8X") && bytes.get(20).is_some_and(|flags| flags & 2 != 0),
+        _ => png_chunks(bytes).take_while(|(kind, _)| *kind != b"IDAT").any(|(kind, _)| kind == b"acTL"),
+    }
 }
 
 /// Columns and rows by a WebP's first chunk. Its decoder takes a lossless picture 16384 wide for one without width.
@@ -38,6 +85,29 @@ pub(crate) fn webp_size(bytes: &[u8]) -> Option<(u64, u64)> {
         }
         _ => None,
     }
+}
+
+/// The number that stands for white in a PGM, PPM or PAM file.
+pub(crate) fn netpbm_white(bytes: &[u8]) -> Option<u32> {
+    let head = &bytes[..bytes.len().min(1 << 16)];
+    let kind = *head.get(1)?;
+    if kind == b'7' {
+        let line = head.split(|byte| *byte == b'\n').find_map(|line| line.strip_prefix(b"MAXVAL"))?;
+        return str::from_utf8(line).ok()?.trim().parse().ok();
+    }
+    if !matches!(kind, b'2' | b'3' | b'5' | b'6') {
+        return None;
+    }
+    // Columns, rows, white; comments go to the end of their line.
+    let mut words = Vec::new();
+    for line in head[2..].split(|byte| matches!(byte, b'\n' | b'\r')) {
+        let said = line.split(|byte| *byte == b'#').next().unwrap_or_default();
+        words.extend(said.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()));
+        if words.len() > 2 {
+            return str::from_utf8(words[2]).ok()?.parse().ok();
+        }
+    }
+    None
 }
 
 /// What a JPEG's markers say of its end.
@@ -71,4 +141,23 @@ pub(crate) fn jpeg_end(bytes: &[u8]) -> JpegEnd {
         }
     }
     if scanned { JpegEnd::Missing } else { JpegEnd::NoScan }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn white_of_a_netpbm_is_its_third_number_whatever_stands_between() {
+        for (text, white) in [
+            ("P5 2 2 15\nxxxx", Some(15)),
+            ("P2\n# by hand\n2 # wide\n2\n# white:\n1023\n0 1", Some(1023)),
+            ("P6\r\n2 2\r\n65535\r\n", Some(65535)),
+            ("P7\nWIDTH 2\nHEIGHT 2\nDEPTH 1\nMAXVAL 100\nTUPLTYPE GRAYSCALE\nENDHDR\n", Some(100)),
+            ("P4 2 2\n", None),
+            ("P5 2 2", None),
+        ] {
+            assert_eq!(netpbm_white(text.as_bytes()), white, "{text}");
+        }
+    }
 }

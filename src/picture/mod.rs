@@ -2,16 +2,19 @@
 //!
 //! The steps, in order:
 //!
-//! 1. **Recognise** the format by its content, never by its name: PNG, JPEG, TIFF or WebP; the first frame of an
-//!    animation. A camera's note on how the picture was held is obeyed, as viewers do. Colour profiles and gamma
-//!    chunks are ignored.
+//! 1. **Recognise** the format by its content, never by its name: PNG, JPEG, TIFF, WebP, GIF, BMP, PBM to PAM, Radiance
+//!    HDR, and with the features `exr` and `svg` OpenEXR and SVG; the first frame of what moves, the picture among the
+//!    pages of a TIFF. A camera's note on how the picture was held is obeyed, as viewers do. A file of which only the end
+//!    is missing, and no part of its picture, is read with a note.
 //! 2. **Invert**, if asked, in the encoded values, as an image editor does: a grey of 188 becomes 67, and ink on
 //!    paper becomes light on darkness. A transparent picture is first laid on white paper, also in the encoded
 //!    values, so that a drawing gives the same light whether it was exported with its background or without.
-//! 3. **Decode** to linear light: 8-bit values are sRGB (IEC 61966-2-1), 16-bit and float values are linear already,
-//!    unless [`Encoding`] says otherwise. Colour becomes Rec. 709 luminance after decoding. Opacity multiplies the
-//!    light; it is a share of area and never sRGB. Black drawn on nothing would give no light at all, so there the
-//!    opacity itself is taken as the light, and a note says so.
+//! 3. **Decode** to linear light. The order of belief: what [`Encoding`] says; what the file states, by code points
+//!    (cICP), by a colour profile of curves with a matrix or a grey one, by a PNG's sRGB and then its gAMA chunk; else 8-bit
+//!    values are sRGB (IEC 61966-2-1), 16-bit and float values linear. A note says what was believed. Colour becomes
+//!    Rec. 709 luminance after decoding. Opacity multiplies the light, once: it is a share of area and never sRGB.
+//!    Black drawn on nothing would give no light. Where nearly all that is drawn is dark, the opacity itself is taken as the
+//!    light; where most is, the drawing is laid on white and inverted; notes say so, and how much gives no light.
 //! 4. **Rotate** counter-clockwise about the picture's centre: exactly for quarter turns, bilinearly otherwise. The
 //!    scale never changes, so corners can leave the field; a note says how much light left with them.
 //! 5. **Fit** to the square field, see [`PictureFit`].
@@ -20,15 +23,29 @@
 //! A square picture that is neither rotated nor inverted is never resampled: what is designed, traced and scored is
 //! the very pixel values that were drawn.
 
+mod statement;
+
 mod pixels;
 
 mod sniff;
 
 mod headers;
 
-mod float_tiff;
+mod tiff_pages;
+
+mod tiff;
+
+#[cfg(feature = "exr")]
+mod exr;
+
+#[cfg(feature = "svg")]
+mod svg;
 
 mod decode;
+
+mod pipe;
+
+mod ink;
 
 mod light;
 
@@ -54,7 +71,7 @@ pub const MAX_FILE: u64 = 512 << 20;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Encoding {
-    /// 8-bit values are sRGB, 16-bit and float values are linear.
+    /// As the file states; else 8-bit values are sRGB, 16-bit and float values linear.
     #[default]
     Auto,
     /// All values are sRGB.
@@ -106,31 +123,46 @@ pub struct Picture {
     pub original_size: (usize, usize),
 }
 
-/// Reads the picture at `path`.
+/// Reads the picture at `path`; `-` is standard input, and a pipe is read to its end.
 ///
 /// # Errors
 /// The file cannot be read, is no picture, is damaged or larger than [`MAX_FILE`] or [`MAX_SIDE`], or holds no light.
 pub fn read(path: &Path, reading: &Reading) -> Result<Picture, PictureError> {
+    if path == Path::new("-") {
+        return read_from(&mut io::stdin().lock(), "standard input", reading);
+    }
     let name = path.display().to_string();
     let unreadable = |source: io::Error| match source.kind() {
         io::ErrorKind::NotFound => PictureError::Missing { name: path.display().to_string() },
         _ => PictureError::Unreadable { name: path.display().to_string(), source },
     };
     let about = path.metadata().map_err(unreadable)?;
-    // Checked before opening: opening a pipe nobody writes to would wait for ever.
-    if !about.is_file() {
-        let found = if about.is_dir() { "a directory" } else { "a device or a pipe" };
+    // Checked before opening: a device can do anything.
+    if !about.is_file() && !pipe::is_pipe(&about) {
+        let found = if about.is_dir() { "a directory" } else { "a device" };
         return Err(PictureError::NotAFile { name, found });
     }
-    let mut file = File::open(path).map_err(unreadable)?;
-    let mut bytes = Vec::new();
-    file.by_ref().take(sniff::ENOUGH).read_to_end(&mut bytes).map_err(unreadable)?;
-    sniff::format(&bytes, &name)?;
+    if !about.is_file() {
+        return read_from(&mut pipe::open(path).map_err(unreadable)?, &name, reading);
+    }
     if about.len() > MAX_FILE {
         return Err(PictureError::Heavy { name, megabytes: about.len() >> 20 });
     }
-    file.take(MAX_FILE).read_to_end(&mut bytes).map_err(unreadable)?;
-    from_bytes(&bytes, &name, reading)
+    let mut file = File::open(path).map_err(unreadable)?;
+    read_from(&mut file, &name, reading)
+}
+
+/// Reads a picture from what may be endless.
+fn read_from(file: &mut impl Read, name: &str, reading: &Reading) -> Result<Picture, PictureError> {
+    let unreadable = |source: io::Error| PictureError::Unreadable { name: name.into(), source };
+    let mut bytes = Vec::new();
+    file.by_ref().take(sniff::ENOUGH).read_to_end(&mut bytes).map_err(unreadable)?;
+    sniff::format(&bytes, name)?;
+    file.by_ref().take(MAX_FILE + 1 - bytes.len() as u64).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_FILE {
+        return Err(PictureError::Heavy { name: name.into(), megabytes: MAX_FILE >> 20 });
+    }
+    from_bytes(&bytes, name, reading)
 }
 
 /// Reads a picture from the bytes of a file; `name` stands in the messages.
@@ -154,7 +186,7 @@ pub fn from_raster(values: Raster, reading: &Reading) -> Result<Picture, Picture
         return Err(PictureError::Corrupt { name: name.into(), format: "raster", reason });
     }
     let samples = Samples::F64(values);
-    prepare(Pixels { width, height, channels: 1, samples, notes: Vec::new() }, name, reading)
+    prepare(Pixels::plain((width, height), 1, samples), name, reading)
 }
 
 fn prepare(pixels: Pixels, name: &str, reading: &Reading) -> Result<Picture, PictureError> {
@@ -163,11 +195,18 @@ fn prepare(pixels: Pixels, name: &str, reading: &Reading) -> Result<Picture, Pic
     }
     let original_size = (pixels.width, pixels.height);
     let (light, mut notes) = light::light(pixels, name, reading)?;
+    notes.extend(light::plainness(&light));
     let light = fit::place(light, reading, &mut notes);
     if light.max() <= 0.0 {
         return Err(PictureError::CutAway { name: name.into() });
     }
     Ok(Picture { light, notes, original_size })
+}
+
+/// A decoder's words fit for a message of one line; a damaged file can put anything into them.
+fn one_line(words: &dyn std::fmt::Display) -> String {
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    words.to_string().chars().map(plain).take(160).collect()
 }
 
 /// Why a picture cannot be used.
@@ -180,7 +219,7 @@ pub enum PictureError {
         /// The picture.
         name: String,
     },
-    /// A directory, a device or a pipe.
+    /// A directory or a device.
     #[error("{name}: this is {found}, not a file; name a picture file")]
     NotAFile {
         /// The picture.
@@ -203,15 +242,15 @@ pub enum PictureError {
         name: String,
     },
     /// More bytes than are read.
-    #[error("{name}: the file has {megabytes} MiB and at most {} are read; scale the picture down", MAX_FILE >> 20)]
+    #[error("{name}: the file has {megabytes} MiB or more and {} are read; scale the picture down", MAX_FILE >> 20)]
     Heavy {
         /// The picture.
         name: String,
-        /// Its size in MiB.
+        /// Its size in MiB, or how much of a pipe was read.
         megabytes: u64,
     },
-    /// Something other than the four formats.
-    #[error("{name}: this is {found}, and only PNG, JPEG, TIFF and WebP pictures are read; {remedy}")]
+    /// Something other than the formats that are read.
+    #[error("{name}: this is {found}, and only {} pictures are read; {remedy}", sniff::READ)]
     Format {
         /// The picture.
         name: String,
@@ -220,7 +259,7 @@ pub enum PictureError {
         /// What would do.
         remedy: &'static str,
     },
-    /// A rare kind of one of the four formats.
+    /// A rare kind of one of the formats.
     #[error("{name}: this kind of {format} is not read ({reason}); save it as an ordinary 8-bit or 16-bit PNG")]
     Unsupported {
         /// The picture.

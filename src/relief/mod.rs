@@ -13,3 +13,7 @@ pub mod open;
 pub mod mesh;
 
 pub mod recognise;
+
+pub mod placement;
+
+pub mod repeats;

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{MeshFacts, Named};
 use crate::brdf::material::Material;
+use crate::export::bsdf::BsdfFacts;
 use crate::projection::Projection;
 use crate::recipe::LightSettings;
 
@@ -98,6 +99,8 @@ pub struct BrdfFacts {
     pub greatest_albedo_error: f64,
     /// Mean difference when light and viewer change places.
     pub reciprocity_error: f64,
+    /// What brdf.bsdf holds of it.
+    pub bsdf: BsdfFacts,
     /// What light from each direction came to.
     pub directions: Vec<DirectionFacts>,
 }

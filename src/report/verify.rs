@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::design::MilledFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{MeshFacts, PictureFacts};
@@ -36,6 +37,27 @@ pub struct VerifyReport {
     pub on_wall: Option<OnWallFacts>,
     /// The figures.
     pub measured: Scores,
+    /// The same of the plate as its recipe's cutter leaves it, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_milled: Option<MilledFacts>,
+    /// What was allowed, and what came of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<Allowed>,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
+}
+
+/// How much light may go astray, and how much does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Allowed {
+    /// The most that may, as a share of the incident light.
+    pub share: f64,
+    /// The blur through which it is seen, degrees.
+    pub blur_deg: f64,
+    /// What is misplaced or lost.
+    pub tv_incident: f64,
+    /// Whether that is of the plate as milled.
+    pub as_milled: bool,
+    /// Whether it is no more than may be.
+    pub kept: bool,
 }

@@ -110,7 +110,7 @@ fn a_room_is_the_same_scene_as_flags_say() {
     // 45° to the lamp toward the plate's y, so that the mirror direction rises at 45° toward -y: 1414 mm to a wall 1 m away.
     let room = Room::from_toml(TABLE_TOP).unwrap();
     let measured = room.scene(1.0).unwrap();
-    let flags = Scene::across_mirror(lamp(2.5), 2f64.sqrt() * 1000.0, f64::to_radians(-45.0), 350.0);
+    let flags = Scene::across_mirror(lamp(2.5), 2f64.sqrt() * 1000.0, f64::to_radians(45.0), 350.0);
     let (a, b) = (measured.wall().unwrap(), flags.wall().unwrap());
     assert!((a.centre - b.centre).length() < 1e-3);
     // With a lamp toward +y the picture is upright once seen on the wall: u to the left, v up.

@@ -7,6 +7,7 @@ mod closed_forms;
 mod closed_solids;
 mod conservation;
 mod fence;
+mod field_reports;
 mod hostile_pictures;
 mod hostile_rays;
 mod jobs;

@@ -4,7 +4,8 @@
 
 Three comparisons, each where the lobe is above 1 % of its peak: eval() against the closed form over pairs of directions;
 a sphere under a distant lamp, pixel by pixel, against `roughconductor`; light gathered by sample() against the latter.
-Exit 3 if a package is missing.
+What Mitsuba warns of meanwhile is counted. With `-` in place of the roughness the file is of no closed form: then it is
+only rendered, its negative and undefined values are counted, and so are the warnings. Exit 3 if a package is missing.
 """
 
 import json
@@ -26,7 +27,29 @@ except Exception as missing:
     print(f"missing: {missing}")
     sys.exit(3)
 
-path, au, av = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
+
+
+class Warnings(mi.Appender):
+    """Counts what Mitsuba warns of, in place of printing it."""
+
+    count = 0
+
+    def append(self, level, text):
+        if level >= mi.LogLevel.Warn:
+            Warnings.count += 1
+
+    def log_progress(self, progress, name, formatted, eta, ptr):
+        pass
+
+
+logger = mi.logger()
+logger.clear_appenders()
+counter = Warnings()
+logger.add_appender(counter)
+
+path = sys.argv[1]
+known = sys.argv[2] != "-"
+au, av = (float(sys.argv[2]), float(sys.argv[3])) if known else (1.0, 1.0)
 measured = {"type": "measured", "filename": path}
 metal = {"type": "roughconductor", "distribution": "ggx", "material": "none", "alpha_u": au, "alpha_v": av}
 
@@ -116,6 +139,20 @@ def gathered(bsdfs):
     return worst
 
 
+def rendered_alone():
+    """Balls that wear the file under three lamps: values that no picture may have, and how many are lit at all."""
+    odd, lit = 0, 0
+    for light in ([0, 1, -0.3], [1, 0.3, -0.5], [0.7, -0.6, -0.2]):
+        picture = sphere(measured, light)
+        odd += int((~np.isfinite(picture) | (picture < 0)).sum())
+        lit += int((picture[..., 1] > 0.01 * picture.max()).sum())
+    return {"odd": odd, "lit": lit}
+
+
 loaded = mi.load_dict(measured)
-report = {"eval": pairs(loaded), "sphere": spheres(), "gathered": gathered([mi.load_dict(metal), loaded])}
+if known:
+    report = {"eval": pairs(loaded), "sphere": spheres(), "gathered": gathered([mi.load_dict(metal), loaded])}
+else:
+    report = {"alone": rendered_alone()}
+report["warnings"] = Warnings.count
 print(json.dumps(report, default=float))

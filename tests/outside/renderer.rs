@@ -8,9 +8,18 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use facetmill::brdf::material::Material;
 use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
+use facetmill::progress::Progress;
+use facetmill::relief::faceted::{Facet, FacetedRelief};
+use facetmill::slope::Slope;
+use facetmill::trace::grid::GridSurface;
+use facetmill::verify::experiment::Measuring;
+use facetmill::verify::goniometer::sweep::sweep;
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 use serde_json::Value;
 
 use crate::asking;
@@ -52,6 +61,37 @@ fn rendered_alike(alpha: [f64; 2], axes: BrdfAxes, most: f64) {
     assert!(number("eval", "mean") <= most && number("eval", "p99") <= 8.0 * most, "{report}");
     assert!(number("sphere", "mean") <= most && number("sphere", "p99") <= 10.0 * most, "{report}");
     assert!(report["gathered"].as_f64().unwrap() <= 0.02, "{report}");
+    assert_eq!(report["warnings"], 0, "{report}");
+}
+
+/// A plate of facets in random order, measured with few rays: as noisy a table as anybody will write.
+#[test]
+fn a_measured_plate_of_random_order_renders_without_a_warning_or_a_negative_value() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+    let facets = (0..900).map(|_| {
+        let mut slope = || 0.2 * (random.random::<f64>() - 0.5);
+        Facet { height: 1.0, slope: Slope::new(slope(), slope()) }
+    });
+    let relief = FacetedRelief::uniform(30, 30, DVec2::splat(30.0), facets.collect());
+    let surface = GridSurface::new(&relief).endless();
+    let material: Material = "aluminium:ggx:0.05".parse().unwrap();
+    let axes = BrdfAxes::anisotropic(polar(8), 4, 64, 64).unwrap();
+    let measuring = Measuring { rays: 20_000, ..Measuring::default() };
+    let swept = sweep(&surface, &material, axes, &measuring, &Progress::silent()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plate.bsdf");
+    let mut file = BufWriter::new(File::create(&path).unwrap());
+    let facts = write_bsdf(BsdfColour::Grey(&swept.table), &BsdfSettings::measured(), &mut file).unwrap();
+    file.flush().unwrap();
+    assert!(facts.least_value >= 0.0 && (facts.light - 1.0).abs() < 1e-4, "{facts:?}");
+    let arguments = [path.into_os_string(), "-".into()];
+    let said = match asking::ask("bsdf_in_mitsuba.py", &arguments) {
+        Ok(said) => said,
+        Err(why) => return asking::skip("Mitsuba", &why),
+    };
+    let report: Value = serde_json::from_str(said.lines().last().unwrap_or_default()).unwrap();
+    assert_eq!((&report["alone"]["odd"], &report["warnings"]), (&0.into(), &0.into()), "{report}");
+    assert!(report["alone"]["lit"].as_u64().unwrap() > 1000, "{report}");
 }
 
 fn polar(count: usize) -> Vec<f64> {

@@ -30,6 +30,9 @@ pub enum Failure {
     /// Everything is readable, but no plate can be made so.
     #[error("{0}")]
     Impossible(String),
+    /// The work is done, and its figure is worse than was allowed.
+    #[error("{0}")]
+    Beyond(String),
     /// Results cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -44,6 +47,7 @@ pub enum Failure {
 impl Failure {
     fn exit_code(&self) -> u8 {
         match self {
+            Self::Beyond(_) => 1,
             Self::Usage(_) | Self::Output(OutputError::OwnInput(..)) => 2,
             Self::Input(_) => 3,
             Self::Impossible(_) => 4,
@@ -92,7 +96,8 @@ pub fn report_failure(failure: &Failure, to_json: bool) -> u8 {
     // A progress line may stand there, and what a terminal echoes of Ctrl-C.
     let clear = if err.is_terminal() { "\r\x1b[2K" } else { "" };
     let _ = writeln!(err, "{clear}facetmill: {}", one_line(&failure.to_string()));
-    if to_json {
+    // The report has been printed, and says the same.
+    if to_json && !matches!(failure, Failure::Beyond(_)) {
         let _ = print_json(&json!({ "error": failure.to_string(), "exit_code": code }));
     }
     code

@@ -1,10 +1,12 @@
-//! Plates from files: an STL, or the folder of a design.
+//! Plates from files: a mesh, or the folder of a design.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use facetmill::export::stl::read_stl;
+use facetmill::export::mesh_files::read_mesh;
 use facetmill::recipe::Recipe;
+use facetmill::relief::mesh::Mesh;
+use facetmill::relief::placement::{Axis, faces_turned, is_inside_out, relief_side, scaled, upright};
 use facetmill::report::MeshFacts;
 use facetmill::report::design::Mount;
 use facetmill::slope::direction;
@@ -13,6 +15,7 @@ use facetmill::trace::mesh::MeshSurfaceError;
 use facetmill::trace::traced_plate::{Task, TracedPlate};
 use glam::DVec3;
 
+use crate::args::PlacingArgs;
 use crate::console::Failure;
 use crate::inputs;
 
@@ -32,6 +35,8 @@ pub struct Opened {
     pub advice: Vec<String>,
     /// What the report says of it.
     pub facts: MeshFacts,
+    /// Its triangles, as they were laid down.
+    pub mesh: Mesh,
 }
 
 struct Heights;
@@ -43,19 +48,22 @@ impl Task for Heights {
     }
 }
 
-/// Reads the STL at `path`; its rim of `margin` mm is no optical area.
-pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
+/// A plate shorter than this may be in another unit than millimetres, mm.
+const SHORT: f64 = 5.0;
+
+/// Reads the mesh at `path` and lays it down; its rim of `margin` mm is no optical area.
+pub fn open(path: &Path, margin: f64, placing: &PlacingArgs) -> Result<Opened, Failure> {
     if !(0.0..=10_000.0).contains(&margin) {
         return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
     }
     let name = path.display();
-    let mesh = read_stl(&mut inputs::open(path)?).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let (mesh, mut advice) = laid_down(path, placing)?;
     let (low, high) = mesh.bounds();
     let size = high - low;
     let length = size.max_element();
     if !(SMALLEST..=LARGEST).contains(&length) {
         return Err(Failure::Input(format!(
-            "{name}: the plate is {length:.1e} mm long: STL has no units, so scale it to millimetres"
+            "{name}: the plate is {length:.1e} mm long: meshes have no unit, so say with --unit which it is"
         )));
     }
     let plate = TracedPlate::new(&mesh, margin).map_err(|error| match error {
@@ -67,14 +75,11 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         )),
         error => Failure::Input(format!("{name}: {error}")),
     })?;
-    let mut advice = Vec::new();
     let open = mesh.open_edges();
     if open > 0 {
         advice.push(format!("{open} edges of the mesh have no partner: it is not closed, and slicers will guess."));
     }
-    if length < 1.0 {
-        advice.push(format!("The plate is only {length:.3} mm long: STL has no units, is it in metres?"));
-    }
+    advice.extend(placement(&mesh, placing));
     let heights = plate.run(Heights);
     let facts = MeshFacts {
         file: path.to_string_lossy().into_owned(),
@@ -87,7 +92,61 @@ pub fn open(path: &Path, margin: f64) -> Result<Opened, Failure> {
         traced_as: plate.kind(),
     };
     let bare = if margin > 0.0 { TracedPlate::without_rim(&mesh, margin) } else { None };
-    Ok(Opened { plate, bare, size, triangles: mesh.triangles.len(), advice, facts })
+    Ok(Opened { plate, bare, size, triangles: mesh.triangles.len(), advice, facts, mesh })
+}
+
+/// The mesh of a file in mm, its relief toward +z and its faces outward as far as was said; and what is to be said of it.
+fn laid_down(path: &Path, placing: &PlacingArgs) -> Result<(Mesh, Vec<String>), Failure> {
+    let name = path.display();
+    let read = read_mesh(&mut inputs::open(path)?).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    let (mut mesh, mut notes) = (read.mesh, read.notes);
+    if let Some(unit) = placing.unit {
+        if read.has_unit {
+            return Err(Failure::Usage(format!(
+                "{name}: a {} file says its unit by itself: leave out --unit",
+                read.format
+            )));
+        }
+        mesh = scaled(mesh, unit.mm());
+    }
+    let up = if placing.flip { Axis::MinusZ } else { placing.up.map_or(Axis::Z, |up| up.axis()) };
+    mesh = upright(mesh, up);
+    if mesh.open_edges() == 0 && is_inside_out(&mesh) {
+        notes.push("The mesh was inside out, its faces looking inward: they were turned outward.".into());
+        mesh = faces_turned(mesh);
+    }
+    Ok((mesh, notes))
+}
+
+/// What is to be said of how a mesh lies, each with the flag that mends it.
+fn placement(mesh: &Mesh, placing: &PlacingArgs) -> Vec<String> {
+    let mut advice = Vec::new();
+    // Flags that were given have had their say: the mesh lies as they put it.
+    let told = if placing.flip || placing.up.is_some() { "without --flip and --up, or " } else { "" };
+    match relief_side(mesh) {
+        None | Some(Axis::Z) => {}
+        Some(Axis::MinusZ) if told.is_empty() => {
+            advice.push("The plate lies upside down, its flat side up: turn it over with --flip.".into());
+        }
+        Some(Axis::MinusZ) => {
+            advice.push(format!("The plate lies upside down, its flat side up: lay it {told}otherwise."))
+        }
+        Some(axis) if told.is_empty() => advice.push(format!(
+            "The plate stands on edge, its relief toward {}: lay it down with --up {}.",
+            axis.name(),
+            axis.name()
+        )),
+        Some(_) => advice.push(format!("The plate stands on edge: lay it {told}otherwise.")),
+    }
+    let (low, high) = mesh.bounds();
+    let length = (high - low).max_element();
+    if length < SHORT && placing.unit.is_none() {
+        advice.push(format!(
+            "The plate is only {length:.3} mm long: meshes have no unit. If it is in inches, say --unit in; in metres, \
+             --unit m."
+        ));
+    }
+    advice
 }
 
 /// What a person named: an STL, or the folder that `design` left, whose recipe then stands for flags that are not given.

@@ -206,6 +206,15 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
     ];
     table.extend(scores(&report.measured));
     table.extend(report.on_wall.iter().flat_map(on_wall));
+    if let Some(milled) = &report.as_milled {
+        let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
+        table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
+    }
+    if let Some(allowed) = &report.at_most {
+        let kept = if allowed.kept { "kept" } else { "not kept" };
+        let limit = format!("at most {} at a blur of {}°: {kept}", percent(allowed.share), allowed.blur_deg);
+        table.push(row("allowed", percent(allowed.tv_incident), limit));
+    }
     table
 }
 

@@ -3,6 +3,8 @@
 use clap::ValueEnum;
 use facetmill::recipe::settings::value::pair;
 pub use facetmill::recipe::settings::value::{count, number, whole};
+use facetmill::relief::placement::Axis;
+use facetmill::verify::verdict::MAIN_BLUR;
 
 /// Threads, within what a machine can have.
 pub fn threads(text: &str) -> Result<usize, String> {
@@ -19,6 +21,92 @@ pub fn angles(text: &str) -> Result<[f64; 2], String> {
     pair(text, ',', number)
 }
 
+/// `0.02` or `0.02@0.5`, also `2%`: a share and a blur in degrees.
+pub fn limit(text: &str) -> Result<Limit, String> {
+    let (share, blur) = text.split_once('@').map_or((text, None), |(share, blur)| (share, Some(blur)));
+    let (share, part) = share.strip_suffix('%').map_or((share, 1.0), |share| (share, 0.01));
+    let limit = Limit { share: part * number(share)?, blur: blur.map_or(Ok(MAIN_BLUR), number)? };
+    if !(limit.share > 0.0 && limit.share <= 1.0) {
+        return Err("the share must be above 0 and at most 1, such as 0.02 or 2%".into());
+    }
+    if !(0.05..=30.0).contains(&limit.blur) {
+        return Err("the blur must be from 0.05 to 30 degrees, such as 0.02@1".into());
+    }
+    Ok(limit)
+}
+
+/// The most light that may be misplaced or lost, seen through a blur.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// Share of the incident light.
+    pub share: f64,
+    /// Standard deviation, degrees.
+    pub blur: f64,
+}
+
+/// The unit of a mesh, as mm to one of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UnitArg {
+    /// Millimetres
+    Mm,
+    /// Inches
+    #[value(alias = "inch")]
+    In,
+    /// Centimetres
+    Cm,
+    /// Metres
+    M,
+    /// Thousandths of a millimetre
+    Um,
+}
+
+impl UnitArg {
+    /// mm to one of it.
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Mm => 1.0,
+            Self::In => 25.4,
+            Self::Cm => 10.0,
+            Self::M => 1000.0,
+            Self::Um => 0.001,
+        }
+    }
+}
+
+/// The axis of a mesh along which its relief looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UpArg {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+    /// Against x
+    #[value(name = "-x")]
+    MinusX,
+    /// Against y
+    #[value(name = "-y")]
+    MinusY,
+    /// Against z, as with --flip
+    #[value(name = "-z")]
+    MinusZ,
+}
+
+impl UpArg {
+    /// The same as the library says it.
+    pub fn axis(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Y => Axis::Y,
+            Self::Z => Axis::Z,
+            Self::MinusX => Axis::MinusX,
+            Self::MinusY => Axis::MinusY,
+            Self::MinusZ => Axis::MinusZ,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ExtentArg {
     /// The plate as it is
@@ -32,4 +120,18 @@ pub enum MethodArg {
     /// Weyrich et al., SIGGRAPH 2009
     #[value(name = "weyrich2009")]
     Weyrich2009,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_is_a_share_and_a_blur_of_one_degree_unless_said() {
+        assert_eq!(limit("0.02"), Ok(Limit { share: 0.02, blur: 1.0 }));
+        assert_eq!(limit("2%@0.5"), Ok(Limit { share: 0.02, blur: 0.5 }));
+        for wrong in ["", "@1", "0", "-0.1", "1.1", "0.02@0", "0.02@40", "0.02@", "two", "nan"] {
+            assert!(limit(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -1,15 +1,18 @@
-//! `facetmill verify`: light over any closed STL, scored against a picture.
+//! `facetmill verify`: light over any closed mesh, or over a design once more, scored against a picture.
+
+use std::path::{Path, PathBuf};
 
 use facetmill::highlight::scored_target;
 use facetmill::job::exports;
 use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
-use facetmill::job::proof::{Proof, RimProof};
-use facetmill::picture;
+use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
+use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
-use facetmill::report::verify::VerifyReport;
+use facetmill::report::design::MilledFacts;
+use facetmill::report::verify::{Allowed, VerifyReport};
 use facetmill::report::{PROGRAM, PictureFacts, text};
 use facetmill::scene::Scene;
 use facetmill::setup::Setup;
@@ -17,20 +20,32 @@ use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
 use facetmill::verify::rim::OverRim;
-use facetmill::verify::verdict::Verdict;
+use facetmill::verify::score::blurred_scores;
+use facetmill::verify::tally::Measurement;
+use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
 
 use crate::args::VerifyArgs;
 use crate::console::{Failure, Stages, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
-use crate::plates::Opened;
+use crate::plates::{Named, Opened};
+use crate::tables::percent;
+use crate::values::Limit;
 use crate::{inputs, plates, tables};
+
+/// So much of the light misplaced that plate, lamp, field or picture do not belong together.
+const ASTRAY: f64 = 0.5;
+
+/// A turned or mirrored drawing explains it if it leaves this share of what is misplaced.
+const EXPLAINED: f64 = 0.3;
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
-    let mut recipe = Recipe::default();
+    inputs::given([Some(&args.plate), None])?;
+    let Named { stl, mut recipe, mount } = plates::named(&args.plate)?;
     args.settings.apply(&mut recipe);
-    recipe.picture = Some(args.against.to_string_lossy().into_owned());
+    let path = drawing(args, &recipe)?;
+    recipe.picture = Some(path.to_string_lossy().into_owned());
     if let Some(file) = &args.scene {
         recipe.scene.room = Some(inputs::room(file)?);
     }
@@ -44,43 +59,29 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
         ));
     }
-    let read = inputs::given([Some(&args.plate), Some(&args.against)])?;
-    plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::VERIFY, &read), &run.gate)?;
+    let read = inputs::given([Some(&args.plate), Some(&path)])?;
+    let mut staged = match &args.output {
+        None => None,
+        Some(output) => {
+            plates::spare_design(&args.plate, output)?;
+            Some(Staged::new(&Place::new(output, args.running.force, exports::VERIFY, &read), &run.gate)?)
+        }
+    };
     let stages = Stages::new(args.running.quiet);
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let name = args.plate.display();
-    let margin = args.margin.unwrap_or(0.0);
-    let opened = plates::open(&args.plate, margin)?;
-    let picture = picture::read(&args.against, &recipe.reading())?;
+    let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
+    let margin = args.margin.unwrap_or(border);
+    let opened = plates::open(&stl, margin, &args.placing)?;
+    let picture = picture::read(&path, &recipe.reading())?;
     recipe.note_drawing(picture.original_size);
-    let setup = mounted(recipe.setup(), args.mount)?;
-    progress.stage(Stage::Tracing);
-    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
-    let no_light = || {
-        Failure::Impossible(format!(
-            "{name}: no light reaches the highlight image: check units, orientation and --light"
-        ))
+    let setup = match (args.mount, mount) {
+        (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
+        (mount, _) => mounted(recipe.setup(), mount)?,
     };
-    let metal = recipe.metal();
-    let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
-    let proof = match recipe.scene().ok().flatten() {
-        Some(scene) => in_room(&mut recipe, &scene, &opened, &picture.light, margin, task)?,
-        None => {
-            let measurement = opened.plate.run(task).ok_or_else(no_light)?;
-            let over = OverRim { mirrored: task, width: margin, scene: None };
-            let rim = (margin > 0.0).then(|| RimProof::dull(opened.plate.run(over), &measurement));
-            progress.stage(Stage::Scoring);
-            let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
-            let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or_else(no_light)?;
-            Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall: None }
-        }
-    };
-
+    let proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
     progress.stage(Stage::Files);
-    let size = opened.size;
     let report = VerifyReport {
         program: PROGRAM,
         plate: opened.facts.clone(),
@@ -88,30 +89,67 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         highlight: recipe.highlight,
         light: recipe.light,
         lobe_deg: recipe.plate.lobe,
-        metal,
+        metal: recipe.metal(),
         margin_mm: margin,
         margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
         on_wall: proof.wall.as_ref().map(|wall| wall.facts(&recipe)),
         measured: (&proof.verdict).into(),
-        advice: advice(&opened, &proof),
+        as_milled: proof
+            .milled
+            .as_ref()
+            .map(|milled| MilledFacts { scores: (&milled.verdict).into(), left_by_cutter_um: 1000.0 * milled.left }),
+        at_most: args.at_most.and_then(|limit| allowed(limit, &proof, &setup)),
+        advice: advice(args, &recipe, &opened, &proof, (&picture, &setup)),
     };
-    staged.write_png("target.png", &target_picture(&proof.target, &recipe))?;
-    let footer = format!(
-        "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
-        size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
-    );
-    let pictures = ProofPictures::new(&proof, &recipe, setup.view(), &footer);
-    staged.write_png("simulated.png", &pictures.simulated)?;
-    staged.write_png("comparison.png", &pictures.comparison)?;
-    staged.write_bytes("report.json", text(&report).as_bytes())?;
-    staged.publish()?;
+    if let Some(staged) = &mut staged {
+        write(staged, &proof, &recipe, &opened, &report, &setup)?;
+    }
+    if let Some(staged) = staged {
+        staged.publish()?;
+    }
     stages.finish();
     tell(&args.running, &report, |report| Table {
-        title: format!("Wrote {}; look at comparison.png first", args.output.display()),
+        title: match &args.output {
+            Some(output) => format!("Wrote {}; look at comparison.png first", output.display()),
+            None => format!("Verified {}; with -o DIR there are pictures", plates::name(&args.plate)),
+        },
         rows: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
-    Ok(())
+    match report.at_most {
+        Some(allowed) if !allowed.kept => Err(Failure::Beyond(format!(
+            "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
+            percent(allowed.tv_incident),
+            allowed.blur_deg,
+            if allowed.as_milled { " as milled" } else { "" },
+            percent(allowed.share)
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The picture to score against: as given, else that of the folder's recipe, as it was named there, beside the recipe,
+/// or beside the folder.
+fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
+    if let Some(path) = &args.against {
+        return Ok(path.clone());
+    }
+    let name = args.plate.display();
+    if !args.plate.is_dir() {
+        return Err(Failure::Usage(format!(
+            "{name}: say with --against which picture its light is to be scored against"
+        )));
+    }
+    let Some(named) = &recipe.picture else {
+        return Err(Failure::Input(format!("{name}: its recipe names no picture: say with --against which it is")));
+    };
+    let places = [args.plate.join(named), PathBuf::from(named), args.plate.join("..").join(named)];
+    places.iter().find(|place| place.exists()).cloned().ok_or_else(|| {
+        Failure::Input(format!(
+            "{name}: the picture {named} that its recipe names is neither in the folder nor beside it nor here: \
+             say with --against where it is"
+        ))
+    })
 }
 
 /// The proof of a plate in its room.
@@ -124,8 +162,6 @@ fn in_room(
     mirrored: Mirrored,
 ) -> Result<Proof, Failure> {
     recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();
-    // Nobody knows of a file where its cells end.
-    recipe.plate.cells = Some(1);
     let room = RoomProof { recipe, light, scene, mirrored };
     let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
     let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
@@ -144,28 +180,179 @@ fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
     if !((0.0..=80.0).contains(&theta) && phi.abs() <= 360.0) {
         return Err(Failure::Usage("--mount takes an angle from 0 to 80 and an azimuth from -360 to 360".into()));
     }
-    let setup = setup.mounted(direction(theta.to_radians(), phi.to_radians()));
+    lit(setup.mounted(direction(theta.to_radians(), phi.to_radians())))
+}
+
+fn lit(setup: Setup) -> Result<Setup, Failure> {
     if setup.light().z <= 0.0 {
         return Err(Failure::Impossible("the light is behind the plate as mounted: lower --light or --mount".into()));
     }
     Ok(setup)
 }
 
-/// What a person should know of the mesh.
-fn advice(opened: &Opened, proof: &Proof) -> Vec<String> {
+/// Light over the plate as it stands in its file, and as the recipe's cutter leaves it.
+fn proof(
+    plate: &Path,
+    recipe: &mut Recipe,
+    opened: &Opened,
+    (picture, setup, margin): (&Picture, &Setup, f64),
+    progress: &Progress,
+) -> Result<Proof, Failure> {
+    progress.stage(Stage::Tracing);
+    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let no_light = || {
+        Failure::Impossible(format!(
+            "{}: no light reaches the highlight image: check units, orientation and --light",
+            plate.display()
+        ))
+    };
+    let metal = recipe.metal();
+    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    if let Some(scene) = recipe.scene().ok().flatten() {
+        if !plate.is_dir() {
+            // Nobody knows of a file where its cells end.
+            recipe.plate.cells = Some(1);
+        }
+        return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
+    }
+    let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
+    let measurement = opened.plate.run(mirrored);
+    let over_rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored, width: margin, scene: None }));
+    let rim = over_rim.zip(measurement.as_ref()).map(|(light, measurement)| RimProof {
+        counts: plate.is_dir() && recipe.border_finish() != BorderFinish::Matt,
+        ..RimProof::dull(light, measurement)
+    });
+    let judged = |measurement: Option<Measurement>| {
+        let measurement = measurement.ok_or_else(no_light)?;
+        progress.stage(Stage::Scoring);
+        let measurement = match &rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        };
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(no_light)?;
+        Ok::<_, Failure>((measurement, verdict))
+    };
+    let (measurement, verdict) = judged(measurement)?;
+    let milled = match send_over_milled_mesh(recipe, &opened.mesh, margin, mirrored)? {
+        None => None,
+        Some((measurement, left)) => {
+            let (measurement, verdict) = judged(measurement)?;
+            Some(MilledProof { left, measurement, verdict })
+        }
+    };
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall: None })
+}
+
+/// What is allowed, beside what came of it.
+fn allowed(limit: Limit, proof: &Proof, setup: &Setup) -> Option<Allowed> {
+    let measurement = proof.milled.as_ref().map_or(&proof.measurement, |milled| &milled.measurement);
+    let whole = &measurement.whole;
+    let blur = limit.blur.to_radians();
+    let scores = blurred_scores(&whole.share_image(), whole.up(), &proof.target, setup.view(), blur)?;
+    Some(Allowed {
+        share: limit.share,
+        blur_deg: limit.blur,
+        tv_incident: scores.tv_incident,
+        as_milled: proof.milled.is_some(),
+        kept: scores.tv_incident <= limit.share,
+    })
+}
+
+fn write(
+    staged: &mut Staged,
+    proof: &Proof,
+    recipe: &Recipe,
+    opened: &Opened,
+    report: &VerifyReport,
+    setup: &Setup,
+) -> Result<(), Failure> {
+    let size = opened.size;
+    staged.write_png("target.png", &target_picture(&proof.target, recipe))?;
+    let footer = format!(
+        "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
+        size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
+    );
+    let pictures = ProofPictures::new(proof, recipe, setup.view(), &footer);
+    staged.write_png("simulated.png", &pictures.simulated)?;
+    staged.write_png("comparison.png", &pictures.comparison)?;
+    if let Some(milled) = &pictures.milled {
+        staged.write_png("comparison_milled.png", milled)?;
+    }
+    staged.write_bytes("report.json", text(report).as_bytes())?;
+    Ok(())
+}
+
+/// What a person should know of the mesh and of its light.
+fn advice(
+    args: &VerifyArgs,
+    recipe: &Recipe,
+    opened: &Opened,
+    proof: &Proof,
+    (picture, setup): (&Picture, &Setup),
+) -> Vec<String> {
     let mut advice = opened.advice.clone();
-    let verdict = &proof.verdict;
-    if let Some(share) = proof.rim.as_ref().map(|rim| rim.into_picture.value).filter(|share| *share > 0.002) {
+    let dark = proof.rim.as_ref().filter(|rim| !rim.counts && rim.into_picture.value > 0.002);
+    if let Some(rim) = dark {
         advice.push(format!(
             "The margin was counted as dark: polished it would throw {:.1}% as much light as the rest into the picture.",
-            100.0 * share
+            100.0 * rim.into_picture.value
         ));
     }
-    if verdict.backface > 1e-4 {
+    if proof.verdict.backface > 1e-4 {
         advice.push(format!(
             "{:.2}% of the light meets faces from behind: the mesh leaks or is turned inside out.",
-            100.0 * verdict.backface
+            100.0 * proof.verdict.backface
         ));
     }
+    let cuts = recipe.design.sheet.cutter.is_some() || recipe.design.sheet.polish.is_some();
+    if args.plate.is_dir() && cuts && proof.milled.is_none() {
+        advice.push("The plate in the folder is none of its recipe's: it was not milled again, only traced.".into());
+    }
+    let misplaced = proof.verdict.main().tv_incident.value;
+    if misplaced > ASTRAY {
+        advice.push(astray(misplaced, proof, recipe, (picture, setup)));
+    }
     advice
+}
+
+/// What may be wrong where hardly any light is where it is wanted: a drawing that is turned or mirrored, or anything.
+fn astray(misplaced: f64, proof: &Proof, recipe: &Recipe, (picture, setup): (&Picture, &Setup)) -> String {
+    let whole = &proof.measurement.whole;
+    let turned = |quarters: usize, mirrored: bool| {
+        let mut light = picture.light.clone();
+        let n = light.width;
+        if mirrored {
+            light.values.chunks_exact_mut(n).for_each(<[f64]>::reverse);
+        }
+        for _ in 0..quarters {
+            let before = light.clone();
+            for (k, value) in light.values.iter_mut().enumerate() {
+                *value = before.at(n - 1 - k / n, k % n);
+            }
+        }
+        let target = scored_target(&light, recipe.highlight.quantity, setup, whole.image.width);
+        let scores = blurred_scores(&whole.share_image(), whole.up(), &target, setup.view(), MAIN_BLUR.to_radians());
+        scores.map_or(1.0, |scores| scores.tv_incident)
+    };
+    let ways = (0..8).map(|k| (k % 4, k > 3)).skip(1);
+    let best = ways.map(|way| (turned(way.0, way.1), way)).min_by(|a, b| a.0.total_cmp(&b.0));
+    match best {
+        Some((left, (quarters, mirrored))) if left < EXPLAINED * misplaced => {
+            let how = match (quarters, mirrored) {
+                (0, true) => "mirrored (--seen says from which side)".to_owned(),
+                (quarters, true) => format!("mirrored and turned by {}° (--seen, --rotate)", 90 * quarters),
+                (quarters, false) => format!("turned by {}° (--rotate)", 90 * quarters),
+            };
+            format!(
+                "{} of the light is misplaced, but only {} if the drawing is {how}.",
+                percent(misplaced),
+                percent(left)
+            )
+        }
+        _ => format!(
+            "{} of the light is misplaced: plate, picture, light and field may not belong together; look at --light, \
+             --half-field, --projection, --unit, and which side is up.",
+            percent(misplaced)
+        ),
+    }
 }

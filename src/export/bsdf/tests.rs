@@ -165,3 +165,22 @@ fn what_cannot_be_written_is_refused() {
     assert!(matches!(refused(BsdfColour::Spectral(&twice), 8), BsdfError::Wavelengths));
     assert!(matches!(refused(BsdfColour::Grey(&one), 1), BsdfError::Settings));
 }
+
+#[test]
+fn no_colour_is_negative_however_noisy_the_table_and_all_light_is_kept() {
+    for azimuths in [1, 5] {
+        // Few rays: most directions hold nothing, some a lot.
+        let noisy = table(azimuths, |wi, wo| {
+            let bits = (wo.x.to_bits() ^ wo.y.to_bits().rotate_left(17) ^ wi.x.to_bits().rotate_left(31))
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            if bits >> 60 == 0 { 16.0 * lobe(wi, wo) } else { 0.0 }
+        });
+        let mut out = Vec::new();
+        let facts = write_bsdf(BsdfColour::Grey(&noisy), &BsdfSettings::measured(), &mut out).unwrap();
+        assert!(facts.least_value >= 0.0 && (facts.light - 1.0).abs() < 1e-5, "{facts:?}");
+        let found = fields(&out);
+        for name in ["rgb", "luminance", "vndf", "ndf", "sigma"] {
+            assert!(found[name].1.iter().all(|v| *v >= 0.0), "{name}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Cursor, Read, Seek, SeekFrom};
 use super::{HEADER_BYTES, PREAMBLE, StlError};
 
 /// Longest line of a text file, bytes.
-const LONGEST_LINE: u64 = 4096;
+const LONGEST_LINE: usize = 4096;
 
 /// A binary file whose length has been found to fit its count, under a header that nobody takes for text.
 pub(crate) struct Records<'a, R> {
@@ -15,7 +15,7 @@ pub(crate) struct Records<'a, R> {
 
 impl<'a, R> Records<'a, R> {
     /// `file` stands at its first triangle and holds `count` of them.
-    pub fn new(file: &'a mut R, count: u32) -> Self {
+    pub(crate) fn new(file: &'a mut R, count: u32) -> Self {
         let mut preamble = [0; PREAMBLE];
         // An end of line: the search for "solid" looks no farther.
         preamble[0] = b'\n';
@@ -42,10 +42,42 @@ impl<R: Seek> Seek for Records<'_, R> {
     }
 }
 
-/// A text file as one solid in lower case with normals of zero, line by line.
+/// Whether a file that begins so may be a text STL: "solid" is the first word that is no comment, and all is text.
+pub(crate) fn is_text(head: &[u8]) -> bool {
+    let head = head.strip_prefix(MARK).unwrap_or(head);
+    let mut lines = head.split(|byte| matches!(byte, b'\n' | b'\r')).filter(|line| !is_comment(line));
+    let word = lines.next().unwrap_or_default().trim_ascii_start();
+    let printable = |&byte: &u8| byte >= b' ' || byte.is_ascii_whitespace();
+    // Only the beginning: what comes later may be names in any letters, or rubbish behind the end.
+    word.len() >= 5
+        && word[..5].eq_ignore_ascii_case(b"solid")
+        && head[..head.len().min(PREAMBLE)].iter().all(printable)
+}
+
+/// The mark of a text in UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Makes one word of an "end" that stands apart from what it ends, as some programs write it.
+fn join_end(line: &mut Vec<u8>) {
+    let from = line.len() - line.trim_ascii_start().len();
+    let Some(rest) = line[from..].strip_prefix(b"end") else { return };
+    let word = rest.trim_ascii_start();
+    if word.len() < rest.len() && [&b"solid"[..], b"facet", b"loop"].iter().any(|end| word.starts_with(end)) {
+        let gap = rest.len() - word.len();
+        line.drain(from + 3..from + 3 + gap);
+    }
+}
+
+/// A line that is empty or begins as comments do.
+fn is_comment(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    line.is_empty() || matches!(line[0], b'#' | b';' | b'!') || line.starts_with(b"//")
+}
+
+/// A text file as one solid in lower case with normals of zero, line by line; lines end as on any system.
 ///
-/// A read never goes beyond a line, so that a parser that complains has just been given the line that is wrong.
-pub struct Lines<R> {
+/// Comments, and what stands behind the last solid, are passed over and counted. A read never goes beyond a line, so that a parser that complains has just been given the line that is wrong.
+pub(crate) struct Lines<R> {
     file: R,
     /// What the parser is given: the line at hand as rewritten, and how much of it has been read.
     line: Vec<u8>,
@@ -53,6 +85,15 @@ pub struct Lines<R> {
     /// Lines of the file read so far.
     number: u64,
     stage: Stage,
+    /// Whether the line before ended with a carriage return.
+    after_return: bool,
+    /// Solids that have ended.
+    solids: u64,
+    /// Lines that were passed over: comments, and others behind a solid.
+    comments: u64,
+    behind: u64,
+    /// Whether a mark of the encoding stood first.
+    marked: bool,
 }
 
 /// Where in the file the line at hand stands.
@@ -72,8 +113,9 @@ enum Stage {
 
 impl<R: BufRead + Seek> Lines<R> {
     /// To be rewound before the first line is read.
-    pub fn new(file: R) -> Self {
-        Self { file, line: Vec::new(), given: 0, number: 0, stage: Stage::Start }
+    pub(crate) fn new(file: R) -> Self {
+        let (line, given, number, stage) = (Vec::new(), 0, 0, Stage::Start);
+        Self { file, line, given, number, stage, after_return: false, solids: 0, comments: 0, behind: 0, marked: false }
     }
 
     /// Reads and rewrites the next line; leaves none at the end of the file.
@@ -87,7 +129,7 @@ impl<R: BufRead + Seek> Lines<R> {
         }
         self.number += 1;
         let wrong = || Err(io::ErrorKind::InvalidData.into());
-        if self.file.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.line)? == 0 {
+        if self.read_line()? == 0 {
             // A file that ends within a solid gets no end: it is truncated.
             if self.stage == Stage::Outside {
                 self.line.extend(b"endsolid\n");
@@ -95,10 +137,15 @@ impl<R: BufRead + Seek> Lines<R> {
             }
             return Ok(());
         }
-        if self.line.len() as u64 == LONGEST_LINE && !self.line.ends_with(b"\n") {
+        if self.line.len() > LONGEST_LINE {
             return wrong();
         }
+        if self.number == 1 && self.line.starts_with(MARK) {
+            self.line.drain(..MARK.len());
+            self.marked = true;
+        }
         self.line.make_ascii_lowercase();
+        join_end(&mut self.line);
         let word = self.line.trim_ascii_start();
         let word = &word[..word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len())];
         let (stage, rewritten) = match (word, self.stage) {
@@ -106,15 +153,79 @@ impl<R: BufRead + Seek> Lines<R> {
             (b"endsolid", Stage::Outside | Stage::Solid) => (Stage::Outside, Some("\n")),
             (b"facet", Stage::Solid) => (Stage::Facet, Some("facet normal 0 0 0\n")),
             (b"endfacet", Stage::Facet) => (Stage::Solid, None),
-            (b"", stage) | (_, stage @ Stage::Facet) => (stage, None),
+            (b"", stage) => (stage, None),
+            (_, stage) if is_comment(&self.line) => {
+                self.comments += 1;
+                (stage, Some("\n"))
+            }
+            (_, stage @ Stage::Facet) => (stage, None),
+            (_, stage @ Stage::Outside) if self.solids > 0 => {
+                self.behind += 1;
+                (stage, Some("\n"))
+            }
             _ => return wrong(),
         };
+        self.solids += u64::from(stage == Stage::Outside && self.stage == Stage::Solid);
         self.stage = stage;
         if let Some(rewritten) = rewritten {
             self.line.clear();
             self.line.extend(rewritten.as_bytes());
         }
         Ok(())
+    }
+
+    /// Reads a line and its end into `line`; its end becomes that of Unix. How many bytes that took.
+    fn read_line(&mut self) -> io::Result<usize> {
+        let mut taken = 0;
+        loop {
+            let bytes = self.file.fill_buf()?;
+            if bytes.is_empty() {
+                return Ok(taken);
+            }
+            // The second half of an end of Windows.
+            if taken == 0 && self.after_return && bytes[0] == b'\n' {
+                self.after_return = false;
+                self.file.consume(1);
+                continue;
+            }
+            let end = bytes.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+            let whole = end.unwrap_or(bytes.len());
+            // Of a line that is too long, enough to see that.
+            let room = (LONGEST_LINE + 1).saturating_sub(self.line.len());
+            self.line.extend(&bytes[..whole.min(room)]);
+            self.after_return = end.is_some_and(|end| bytes[end] == b'\r');
+            let used = whole + usize::from(end.is_some());
+            self.file.consume(used);
+            taken += used;
+            if end.is_some() {
+                self.line.push(b'\n');
+                return Ok(taken);
+            }
+        }
+    }
+
+    /// What was passed over, as sentences.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let lines = |count: u64| if count == 1 { "line".to_owned() } else { "lines".to_owned() };
+        let mut notes = Vec::new();
+        if self.comments > 0 {
+            notes.push(format!(
+                "{} {} of comment in the text STL were passed over.",
+                self.comments,
+                lines(self.comments)
+            ));
+        }
+        if self.behind > 0 {
+            notes.push(format!(
+                "{} {} behind the text STL's last solid were left out.",
+                self.behind,
+                lines(self.behind)
+            ));
+        }
+        if self.marked {
+            notes.push("A mark of encoding before the text STL was passed over.".into());
+        }
+        notes
     }
 
     /// What `error` is about, which came up after `triangles` whole ones.
@@ -152,6 +263,8 @@ impl<R: Seek> Seek for Lines<R> {
         self.file.seek(SeekFrom::Start(0))?;
         self.line.clear();
         (self.given, self.number, self.stage) = (0, 0, Stage::Start);
+        (self.after_return, self.marked) = (false, false);
+        (self.solids, self.comments, self.behind) = (0, 0, 0);
         Ok(0)
     }
 }

@@ -31,12 +31,12 @@ impl MergedTriangles {
     }
 
     /// Number of triangles.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.triangles.len()
     }
 
     /// Adds a triangle; fails if a coordinate is not finite or there are too many vertices.
-    pub fn add(&mut self, corners: [[f32; 3]; 3]) -> Result<(), StlError> {
+    pub(crate) fn add(&mut self, corners: [[f32; 3]; 3]) -> Result<(), StlError> {
         if !corners.as_flattened().iter().all(|c| c.is_finite()) {
             return Err(StlError::NotFinite(self.triangles.len() + 1));
         }
@@ -46,6 +46,17 @@ impl MergedTriangles {
         }
         self.triangles.push(triangle);
         Ok(())
+    }
+
+    /// The least and greatest coordinates.
+    pub(crate) fn bounds(&self) -> ([f32; 3], [f32; 3]) {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for vertex in &self.vertices {
+            for k in 0..3 {
+                (low[k], high[k]) = (low[k].min(vertex[k]), high[k].max(vertex[k]));
+            }
+        }
+        (low, high)
     }
 
     /// All of them as a mesh.

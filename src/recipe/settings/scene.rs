@@ -94,7 +94,7 @@ pub(super) const SCENE: [Setting; 10] = [
         ),
         unit: Unit::None,
         ranges: &[],
-        unset: "exact; base or warp where they miss by less than 0.05 degrees",
+        unset: "exact; base where it misses by less than 0.05 degrees",
         help: "How the design follows lamp and wall",
         at: |recipe| &mut recipe.scene.near,
         ..LENGTH

@@ -82,7 +82,10 @@ fn pictures() -> Vec<(String, Vec<u8>)> {
     );
     let mut all: Vec<(String, Vec<u8>)> = Vec::new();
     for (name, bytes) in [("png", &png), ("jpg", &jpeg), ("tif", &tiff), ("webp", &webp)] {
-        for (k, length) in [4, 12, 30, bytes.len() / 3, bytes.len() * 2 / 3, bytes.len() - 14].into_iter().enumerate() {
+        // Of a PNG the last chunk may be missing.
+        let end = if name == "png" { 30 } else { 14 };
+        for (k, length) in [4, 12, 30, bytes.len() / 3, bytes.len() * 2 / 3, bytes.len() - end].into_iter().enumerate()
+        {
             all.push((format!("cut{k}.{name}"), bytes[..length].to_vec()));
         }
     }
@@ -94,7 +97,7 @@ fn pictures() -> Vec<(String, Vec<u8>)> {
         ("page.jpg", b"<!DOCTYPE html><html><body>404</body></html>".to_vec()),
         ("drawing.png", b"<svg xmlns='http://www.w3.org/2000/svg'/>".to_vec()),
         ("paper.png", b"%PDF-1.7\n".to_vec()),
-        ("gif.png", b"GIF89a\x02\0\x02\0\x80\0\0\0\0\0\xff\xff\xff,\0\0\0\0\x02\0\x02\0\0\x02\x02D\x01\0;".to_vec()),
+        ("gif.png", b"GIF89a\x02\0\x02\0\x80\0\0\0\0\0\xff\xff\xff,\0\0\0\0\x02\0\x02\0\0\x02\x02D".to_vec()),
         ("bitmap.png", [b"BM".to_vec(), vec![0; 100]].concat()),
         ("archive.png", b"PK\x03\x04\x14\0\0\0".to_vec()),
         ("program.png", b"\x7fELF\x02\x01\x01\0".to_vec()),

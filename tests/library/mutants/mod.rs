@@ -1,4 +1,4 @@
-//! Mutants of small pictures and STL files: an answer for each, never a panic, soon.
+//! Mutants of small pictures and meshes: an answer for each, never a panic, soon.
 //!
 //! The short form, some seconds, is part of the tests. The long form, here 20 minutes for each kind of file:
 //!
@@ -115,6 +115,7 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
             let mut bytes = Vec::new();
             write_stl(&mesh, &mut bytes).unwrap();
             all.push(bytes);
+            all.extend(meshes());
         }
         _ => {}
     }
@@ -127,7 +128,17 @@ fn pictures() -> Vec<Vec<u8>> {
     let drawing = DynamicImage::from(drawing);
     let grey = DynamicImage::from(drawing.to_luma8());
     let mut all = Vec::new();
-    for format in [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::WebP] {
+    let formats = [
+        ImageFormat::Png,
+        ImageFormat::Jpeg,
+        ImageFormat::Tiff,
+        ImageFormat::WebP,
+        ImageFormat::Bmp,
+        ImageFormat::Gif,
+        ImageFormat::Pnm,
+        ImageFormat::Hdr,
+    ];
+    for format in formats {
         let mut kinds = vec![grey.clone(), drawing.clone()];
         match format {
             ImageFormat::Png => {
@@ -139,6 +150,8 @@ fn pictures() -> Vec<Vec<u8>> {
                 kinds.push(drawing.to_rgb32f().into());
             }
             ImageFormat::WebP => kinds[0] = drawing.to_rgba8().into(),
+            ImageFormat::Gif => kinds = vec![drawing.to_rgba8().into()],
+            ImageFormat::Hdr => kinds = vec![drawing.to_rgb32f().into()],
             _ => {}
         }
         for kind in kinds {
@@ -147,7 +160,22 @@ fn pictures() -> Vec<Vec<u8>> {
             all.push(file.into_inner());
         }
     }
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 20 10'><g opacity='.5'><path d='M1 1h9v8z'/></g>\
+               <linearGradient id='a'><stop stop-color='red'/></linearGradient><circle r='3' fill='url(#a)'/></svg>";
+    all.push(svg.as_bytes().to_vec());
     all
+}
+
+/// A tetrahedron in every format of text.
+fn meshes() -> Vec<Vec<u8>> {
+    let (corners, faces) = (["0 0 0", "2 0 0", "0 2 0", "0 0 2"], ["0 2 1", "0 1 3", "1 2 3", "0 3 2"]);
+    let lines = |before: &str, lines: &[&str]| lines.iter().map(|line| format!("{before}{line}\n")).collect::<String>();
+    let off = format!("OFF\n4 4 6\n{}{}", lines("", &corners), lines("3 ", &faces));
+    let obj = format!("{}f 1 3 2\nf 1 2 4\nf 2//1 3//1 4//1\nf -4 -1 -2\n", lines("v ", &corners));
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                  element face 4\nproperty list uchar int vertex_indices\nend_header\n";
+    let ply = format!("{header}{}{}", lines("", &corners), lines("3 ", &faces));
+    [off, obj, ply].map(String::into_bytes).to_vec()
 }
 
 /// Enough are read and enough refused that both ways are tried.
@@ -163,6 +191,6 @@ fn mutated_pictures_are_read_or_refused_in_time() {
 }
 
 #[test]
-fn mutated_stls_are_read_or_refused_in_time() {
+fn mutated_meshes_are_read_or_refused_in_time() {
     judge("stl");
 }

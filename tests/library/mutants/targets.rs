@@ -4,7 +4,8 @@
 
 use std::io::Cursor;
 
-use facetmill::export::stl::{StlError, read_stl};
+use facetmill::export::mesh_files::{MeshFileError, ReadMesh, read_mesh};
+use facetmill::export::stl::StlError;
 use facetmill::picture::{Picture, PictureError, PictureFit, Reading, from_bytes};
 
 /// What became of a file.
@@ -22,7 +23,7 @@ pub enum Fate {
 pub type Target = fn(&[u8]) -> Fate;
 
 /// All kinds of files, each with the folder of its corpus.
-pub const TARGETS: [(&str, Target); 2] = [("picture", picture), ("stl", stl)];
+pub const TARGETS: [(&str, Target); 2] = [("picture", picture), ("stl", mesh)];
 
 /// A picture: light on a square, or a sentence.
 pub fn picture(bytes: &[u8]) -> Fate {
@@ -48,18 +49,24 @@ pub fn picture(bytes: &[u8]) -> Fate {
     }
 }
 
-/// A plate: a mesh of finite, numbered vertices no larger than the file, or a sentence.
-pub fn stl(bytes: &[u8]) -> Fate {
-    match read_stl(&mut Cursor::new(bytes)) {
-        Ok(mesh) => {
-            assert!(!mesh.triangles.is_empty() && 50 * mesh.triangles.len() <= 2 * bytes.len());
+/// A plate: a mesh of finite, numbered vertices no larger than the file allows, or a sentence.
+pub fn mesh(bytes: &[u8]) -> Fate {
+    match read_mesh(&mut Cursor::new(bytes)) {
+        Ok(ReadMesh { mesh, format, .. }) => {
+            assert!(!mesh.triangles.is_empty());
+            // Of the others a polygon takes a few bytes, and a packed model can name one object often.
+            assert!(format != "STL" || 50 * mesh.triangles.len() <= 2 * bytes.len());
             assert!(mesh.vertices.len() <= 3 * mesh.triangles.len());
             assert!(mesh.vertices.as_flattened().iter().all(|x| x.is_finite()));
             assert!(mesh.triangles.as_flattened().iter().all(|v| (*v as usize) < mesh.vertices.len()));
             Fate::Read
         }
-        Err(StlError::Parser) => Fate::Fenced,
-        Err(StlError::Io(error)) => panic!("reading from memory fails: {error}"),
-        Err(_) => Fate::Refused,
+        Err(MeshFileError::Stl(StlError::Parser)) => Fate::Fenced,
+        Err(MeshFileError::Io(error)) => panic!("reading from memory fails: {error}"),
+        Err(error) => {
+            let message = error.to_string();
+            assert!(message.len() < 400 && !message.contains('\n'), "{message}");
+            if message.contains("its decoder failed") { Fate::Fenced } else { Fate::Refused }
+        }
     }
 }

@@ -12,7 +12,7 @@ use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
 pub struct DesignArgs {
-    /// The highlight: PNG, JPEG, TIFF or WebP, bright where light shall be
+    /// The highlight, bright where light shall be: PNG, JPEG, TIFF, WebP, SVG, GIF, BMP, PGM, HDR, EXR; - for a pipe
     #[arg(required_unless_present = "recipe")]
     pub picture: Option<PathBuf>,
     /// Folder for the results; made if it does not exist

@@ -8,8 +8,8 @@ use facetmill::brdf::material::Material;
 use facetmill::recipe::settings::Setting;
 use facetmill::verify::render::Shape;
 
-use super::RunningArgs;
 use super::settings::{SettingFlags, Takes, explained, seed_of_rays};
+use super::{PlacingArgs, RunningArgs};
 use crate::values::*;
 
 /// Heading of the flags that say what is measured.
@@ -22,7 +22,8 @@ const RAYS: &str = "Rays sent over the plate  \
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("what").args(["brdf", "ndf", "wall", "look"])))]
 pub struct MeasureArgs {
-    /// A closed STL in mm, relief toward +z; or the folder of a design, whose recipe then gives lamp and field
+    /// A closed mesh in mm (STL, OBJ, PLY, 3MF, OFF), relief toward +z; or the folder of a design, whose recipe then gives
+    /// lamp and field
     pub plate: PathBuf,
     /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR")]
@@ -65,6 +66,8 @@ pub struct MeasureArgs {
     /// Rim that is no optical area and is not lit, mm  [default: the design's --border if left dull, else 0]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = number)]
     pub margin: Option<f64>,
+    #[command(flatten)]
+    pub placing: PlacingArgs,
     /// The plate as it is, or repeated without end  [default: endless for --brdf and --wrap, else finite]
     ///
     /// Only a relief on a rectangular grid, as `design` makes, can be repeated; any other is measured as it is.
@@ -73,7 +76,7 @@ pub struct MeasureArgs {
 
     /// A distant lamp that looks like this picture: a window, a softbox, a neon sign
     ///
-    /// The picture is laid on the sky around --light, as seen from above the plate. PNG, JPEG, TIFF or WebP.
+    /// The picture is laid on the sky around --light, as seen from above the plate. Any kind of picture that `design` takes.
     #[arg(long, value_name = "PICTURE", help_heading = "Light", conflicts_with_all = ["light-radius", "brdf", "ndf"])]
     pub lamp: Option<PathBuf>,
     /// Angle from the middle of the --lamp picture to its rim, degrees, 0.01 to 60  [default: 5]

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::values::threads;
+use crate::values::{Limit, UnitArg, UpArg, threads};
 
 pub use design::DesignArgs;
 pub use measure::MeasureArgs;
@@ -24,7 +24,7 @@ First steps:
   facetmill design ring.png -o ring     then look at ring/comparison.png and mill ring/plate.stl
   facetmill design --help               what each setting means, in millimetres and degrees
 
-Exit codes: 0 done, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
+Exit codes: 0 done, 1 worse than --at-most, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
 5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
 pub struct Cli {
     #[command(subcommand)]
@@ -49,11 +49,14 @@ Examples:
   facetmill design ring.png --facets 200x200 --dry-run                                   how large, how long?")]
     #[command(allow_negative_numbers = true)]
     Design(Box<DesignArgs>),
-    /// Trace light over any closed STL (mm) and score it against a picture
+    /// Trace light over any closed mesh (mm) and score it against a picture
     ///
     /// The plate lies in the xy plane with its relief toward +z; who made it does not matter. The folder receives
     /// target.png, simulated.png, comparison.png and report.json.
-    #[command(after_help = "Example: facetmill verify ring/plate.stl --against ring.png -o proof --half-field 20")]
+    #[command(after_help = "\
+Examples:
+  facetmill verify ring/plate.stl --against ring.png -o proof --half-field 20
+  facetmill verify ring --at-most 0.02          exit code 1 if more than 2 % of the light goes astray as milled")]
     #[command(allow_negative_numbers = true)]
     Verify(Box<VerifyArgs>),
     /// Measure what light does on a plate: highlight, BRDF, normals, a wall, or what a person sees
@@ -79,19 +82,28 @@ Examples:
 
 #[derive(Debug, Args)]
 pub struct VerifyArgs {
-    /// A closed STL in mm, relief toward +z
+    /// A closed mesh in mm, relief toward +z: STL, OBJ, PLY, 3MF or OFF; or the folder of a design
+    ///
+    /// A folder's recipe gives light, field, metal and picture, its report the mounting, and its cutter is led over the
+    /// plate once more. Flags that are given count before the recipe.
     pub plate: PathBuf,
-    /// The picture that the light is scored against
+    /// The picture that the light is scored against  [default: that of the folder's recipe]
     #[arg(long, value_name = "PICTURE")]
-    pub against: PathBuf,
-    /// Folder for the results; made if it does not exist
+    pub against: Option<PathBuf>,
+    /// Folder for the results; made if it does not exist. Without it nothing is written
     #[arg(short = 'o', long = "output", value_name = "DIR")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
+    /// Exit code 1 if more of the light than this is misplaced or lost, seen through a blur in degrees
+    ///
+    /// 0.02 and 2% mean 2 % at a blur of 1°, 0.02@0.5 the same at 0.5°. Of a folder with a cutter the plate as milled
+    /// counts.
+    #[arg(long = "at-most", value_name = "SHARE[@DEG]", value_parser = crate::values::limit)]
+    pub at_most: Option<Limit>,
 
     #[command(flatten)]
     pub settings: SettingFlags<ByVerify>,
 
-    /// Rim that is not optical area, mm  [default: 0]
+    /// Rim that is not optical area, mm  [default: 0; of a folder its border]
     #[arg(long, value_name = "MM", help_heading = "Plate", value_parser = crate::values::number)]
     pub margin: Option<f64>,
     /// Plate, lamp or sun, wall and picture in the room's own coordinates, as `design --scene` takes them
@@ -101,7 +113,24 @@ pub struct VerifyArgs {
     #[arg(long, value_name = "THETA,PHI", help_heading = "Plate", value_parser = crate::values::angles, allow_hyphen_values = true)]
     pub mount: Option<[f64; 2]>,
     #[command(flatten)]
+    pub placing: PlacingArgs,
+    #[command(flatten)]
     pub running: RunningArgs,
+}
+
+/// How a mesh from elsewhere is to be laid down.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Plate")]
+pub struct PlacingArgs {
+    /// Turn the plate over, about its x axis: for one that lies upside down
+    #[arg(long, conflicts_with = "up")]
+    pub flip: bool,
+    /// The axis of the mesh along which its relief looks  [default: z]
+    #[arg(long, value_enum, value_name = "AXIS", allow_hyphen_values = true, hide_possible_values = true)]
+    pub up: Option<UpArg>,
+    /// The unit of the mesh, mm, in, cm, m or um  [default: mm]
+    #[arg(long, value_enum, value_name = "UNIT", hide_possible_values = true)]
+    pub unit: Option<UnitArg>,
 }
 
 #[derive(Debug, Args)]

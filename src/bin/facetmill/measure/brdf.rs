@@ -1,7 +1,7 @@
 //! The BRDF over all directions: tables for renderers, text for spreadsheets, pictures for people.
 
 use facetmill::export::brdf_csv::write_brdf_csv;
-use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfSettings, write_bsdf};
+use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfFacts, BsdfSettings, write_bsdf};
 use facetmill::export::hemisphere_maps::hemisphere_maps;
 use facetmill::export::merl::{Merl, MerlError};
 use facetmill::export::polar_slices::{RadialScale, polar_slices};
@@ -65,7 +65,7 @@ pub fn measure(
     let description =
         format!("facetmill: {} plate of {}", if bench.endless { "endless" } else { "finite" }, bench.material);
     let mut bsdf = Vec::new();
-    write_bsdf(
+    let written = write_bsdf(
         BsdfColour::Grey(table),
         &BsdfSettings { description: description.clone(), ..BsdfSettings::measured() },
         &mut bsdf,
@@ -98,7 +98,7 @@ pub fn measure(
         ));
     }
     Ok(Outcome {
-        measured: Measured::Brdf(facts(&swept, rays)),
+        measured: Measured::Brdf(facts(&swept, rays, written)),
         rows: rows(&swept, rays),
         notes,
         look_at: "slices.png",
@@ -106,7 +106,7 @@ pub fn measure(
 }
 
 /// What the report says of a sweep in which each direction sent `rays` rays.
-fn facts(swept: &Swept, rays: u64) -> BrdfFacts {
+fn facts(swept: &Swept, rays: u64, bsdf: BsdfFacts) -> BrdfFacts {
     let (table, laws) = (&swept.table, swept.table.laws());
     let by_light: Vec<_> = swept
         .balance
@@ -133,6 +133,7 @@ fn facts(swept: &Swept, rays: u64) -> BrdfFacts {
         greatest_albedo: laws.greatest_albedo.0,
         greatest_albedo_error: laws.greatest_albedo.1,
         reciprocity_error: laws.reciprocity_error,
+        bsdf,
         directions: by_light,
     }
 }

@@ -84,7 +84,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim))?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing)?;
     let (plate, endless) = extent(args, &recipe, &opened)?;
     let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
     let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
