@@ -24,7 +24,7 @@ const ROWS: [Row; 5] = [
     ("ball", 100.0, ball),
     ("nodes", 500.0, |recipe| {
         ball(recipe);
-        (recipe.plate.grid, recipe.plate.cells) = (Some(1024), Some(1));
+        (recipe.plate.grid, recipe.plate.cells) = (Some(1024), Some(1.into()));
     }),
     ("facets", 100.0, |recipe| recipe.plate.facets = Some([30, 30])),
     ("million", 500.0, |recipe| recipe.plate.facets = Some([1000, 1000])),

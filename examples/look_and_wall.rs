@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut recipe = Recipe::default();
     // Many small cells: the eye takes them for one surface, and each holds the whole highlight.
     recipe.plate.facets = Some([120, 120]);
-    recipe.plate.cells = Some(4);
+    recipe.plate.cells = Some(4.into());
     recipe.light.theta = 30.0;
     recipe.light.phi = 90.0;
     let light = read(&picture, &recipe.reading())?.light;

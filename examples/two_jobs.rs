@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let mut recipe = Recipe::default();
     recipe.design.sheet.cutter = Some("ball:0.5".parse()?);
     recipe.plate.size = [10.0, 10.0]; // mm
-    (recipe.plate.cells, recipe.plate.grid) = (Some(1), Some(128));
+    (recipe.plate.cells, recipe.plate.grid) = (Some(1.into()), Some(128));
     recipe.verify.rays = 200_000;
     let picture = read(&path, &recipe.reading())?;
 

@@ -29,7 +29,7 @@
 //! let mut recipe = Recipe::default();
 //! recipe.highlight.half_field = 10.0;
 //! recipe.plate.size = [12.0, 12.0];
-//! recipe.plate.cells = Some(1);
+//! recipe.plate.cells = Some(1.into());
 //! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given
 //! recipe.design.sheet.cutter = Some(Cutter::ball(0.5));
 //! recipe.verify.rays = 100_000;

@@ -20,6 +20,8 @@ mod page;
 
 pub mod ticks;
 
+mod axes;
+
 pub mod comparison;
 
 pub mod float_tiff;

@@ -9,8 +9,8 @@ use crate::raster::Raster;
 
 /// Share of the lit pixels that stay unclipped under [`common_white`].
 const UNCLIPPED: f64 = 0.995;
-/// A pixel counts as lit above this share of the brightest: a blur's endless tails are not part of the drawing.
-const LIT: f64 = 1e-3;
+/// Share of all light that the lit pixels hold together, brightest first: a blur's endless tails are not part of the drawing.
+const LIT: f64 = 0.99;
 
 /// The sRGB transfer curve (IEC 61966-2-1): linear light in [0, 1] to code value in [0, 1]; clipped, NaN gives 0.
 pub(crate) fn srgb_encoded(linear: f64) -> f64 {
@@ -36,15 +36,19 @@ pub fn tone_mapped(raster: &Raster, white: f64) -> GrayImage {
 /// The white level under which `target` and whatever is compared with it should both be shown, in `target`'s units.
 ///
 /// It is the value that 99.5 % of the lit pixels stay below (or reach), so that a few hot pixels do not darken the
-/// rest; lit means above a thousandth of the brightest. Zero if nothing is lit.
+/// rest; the lit pixels are the brightest ones that together hold 99 % of the light. Zero if nothing is lit.
 pub fn common_white(target: &Raster) -> f64 {
-    let floor = LIT * target.max();
-    let mut lit: Vec<f64> = target.values.iter().copied().filter(|v| *v > floor && v.is_finite()).collect();
-    if lit.is_empty() {
-        return 0.0;
-    }
-    let rank = ((UNCLIPPED * lit.len() as f64).ceil() as usize).clamp(1, lit.len()) - 1;
-    *lit.select_nth_unstable_by(rank, f64::total_cmp).1
+    let mut lit: Vec<f64> = target.values.iter().copied().filter(|v| *v > 0.0 && v.is_finite()).collect();
+    lit.sort_unstable_by(|a, b| b.total_cmp(a));
+    let mut left = LIT * lit.iter().sum::<f64>();
+    let count = lit.iter().position(|v| {
+        left -= v;
+        left <= 0.0
+    });
+    let count = count.map_or(lit.len(), |last| last + 1);
+    // All but this many stay below it or reach it.
+    let clipped = count - (UNCLIPPED * count as f64).ceil() as usize;
+    lit.get(clipped).copied().unwrap_or(0.0)
 }
 
 /// The colour of a signed difference: white at 0, deepening to blue at -1 and red at +1; clipped, NaN gives white.
@@ -120,8 +124,8 @@ mod tests {
 
     #[test]
     fn white_is_a_percentile_of_the_lit_pixels_alone() {
-        // Values 1 to 1000 over faint tails. A thousandth of 1000 is not lit, which leaves 2 to 1000; the 995th of
-        // those 999 is 996.
+        // Values 1 to 1000 over faint tails. The 901 from 100 on hold 99 % of the light; all but four of them are at most
+        // 996.
         let raster = Raster::from_fn(200, 100, |x, y| {
             let k = y * 200 + x;
             if k < 1000 { 1.0 + k as f64 } else { 1e-9 }
@@ -131,6 +135,17 @@ mod tests {
         assert_eq!(common_white(&Raster::zeros(4, 4)), 0.0);
         assert_eq!(common_white(&Raster::zeros(0, 0)), 0.0);
         assert_eq!(common_white(&Raster { width: 1, height: 1, values: vec![0.3] }), 0.3);
+    }
+
+    #[test]
+    fn one_hot_pixel_does_not_darken_a_picture() {
+        // A tenth of all light in one pixel of 10,000, where the others are alike.
+        let mut raster = Raster::from_fn(100, 100, |_, _| 1.0);
+        raster.values[77] = 1100.0;
+        assert_eq!(common_white(&raster), 1.0);
+        // A dot on black is shown as bright as it is.
+        let dot = Raster::from_fn(100, 100, |x, y| f64::from(u8::from(x < 3 && y < 3)) + 1e-7);
+        assert!((common_white(&dot) - 1.0).abs() < 1e-6);
     }
 
     #[test]

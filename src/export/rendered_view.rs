@@ -1,12 +1,15 @@
-//! Pages for what a camera sees of the plate and for the reflection on a wall, with exposure and scale.
+//! Pages for what a camera sees of the plate, for the reflection on a wall, for a highlight and for slopes, with exposure and
+//! scale.
 
 use image::{GrayImage, Luma, Rgb, RgbImage};
 
+use super::axes::{self, Place};
 use super::comparison::{enlarged, panel_side};
-use super::lettering::{Align, Style};
+use super::lettering::Style;
 use super::page::{LINE, NOTE, Page, TEXT, Unit, pixel};
 use super::pixels::{common_white, tone_mapped};
-use super::ticks::{number, round_below};
+use super::ticks::number;
+use crate::projection::View;
 use crate::raster::Raster;
 use crate::verify::render::{RenderedView, Shape, ViewSettings};
 use crate::verify::wall::{WallImage, WallSettings};
@@ -94,6 +97,38 @@ pub fn wall_page(wall: &WallImage, settings: &WallSettings, exposure: &Exposure)
     framed.page.image
 }
 
+/// A highlight, shares of light per pixel laid out by `view`, with a scale in degrees and its exposure.
+pub fn highlight_page(image: &Raster, view: &View, exposure: &Exposure) -> RgbImage {
+    let raster = exposure.turned(image);
+    let white = exposure.white(&raster);
+    let grey = tone_mapped(&enlarged(&raster, panel_side(raster.width)), white);
+    let pixels = (raster.width * raster.height).max(1) as f64;
+    let notes = [
+        "degrees from the mirror direction, seen from above the plate: x right, y up".to_owned(),
+        format!(
+            "white is {} × the light of a pixel if all were lit alike · sRGB, no other curve",
+            digits(white * pixels)
+        ),
+    ];
+    let mut framed = Framed::new(&grey, &exposure.heading, &notes, true);
+    let (unit, place) = (framed.unit, framed.place());
+    axes::degrees(&mut framed.page, unit, place, view, true);
+    framed.page.image
+}
+
+/// The density of slopes, from -`rim` to `rim` along x and y, with a scale of slopes and its exposure.
+pub fn slopes_page(density: &Raster, rim: f64, exposure: &Exposure) -> RgbImage {
+    let white = exposure.white(density);
+    let grey = tone_mapped(&enlarged(density, panel_side(density.width)), white);
+    let notes = [
+        format!("slope of the surface along x (right) and y (up) · the rim is {}°", digits(rim.atan().to_degrees())),
+        format!("white is a density of {} per unit of slope squared · sRGB, no other curve", digits(white)),
+    ];
+    let mut framed = Framed::new(&grey, &exposure.heading, &notes, true);
+    framed.scales(rim, false);
+    framed.page.image
+}
+
 /// Three digits, however large or small.
 fn digits(value: f64) -> String {
     let size = value.abs();
@@ -156,31 +191,16 @@ impl Framed {
         self.page.write_fitted(text, pixel(left, y), style, room as f32);
     }
 
-    /// Ticks in mm along the lower and the left edge, 0 in the middle; `mirrored` counts u from right to left.
+    /// Where the picture stands.
+    fn place(&self) -> Place {
+        Place { left: self.left, top: self.top, width: self.width, height: self.height }
+    }
+
+    /// Ticks along the lower and the left edge, 0 in the middle; `mirrored` counts u from right to left.
     fn scales(&mut self, half_width: f64, mirrored: bool) {
-        let Some(step) = round_below(half_width / 2.0) else { return };
-        let lead = step / 10f64.powf(step.log10().floor());
-        let minor = if (lead - 2.0).abs() < 0.1 { 4 } else { 5 };
-        let hair = self.unit.hair();
-        let most = (half_width / step * f64::from(minor) + 1e-9) as i64;
-        for k in -most..=most {
-            let labelled = k % i64::from(minor) == 0;
-            let at = k as f64 / f64::from(minor) * step;
-            let reach = self.px(if labelled { 9.0 } else { 5.0 });
-            let along =
-                |length: i64, at: f64| (((at / half_width + 1.0) * 0.5 * length as f64).round() as i64).min(length - 1);
-            let x = self.left + along(self.width, if mirrored { -at } else { at });
-            let y = self.top + along(self.height, -at);
-            let bottom = self.top + self.height;
-            self.page.fill([x - hair / 2, bottom + hair, hair, reach], LINE);
-            self.page.fill([self.left - hair - reach, y - hair / 2, reach, hair], LINE);
-            if labelled {
-                let label = if at.abs() < 1e6 { number(at) } else { digits(at) };
-                let style = |align| self.unit.style(18.0, TEXT, align);
-                self.page.write(&label, pixel(x, bottom + self.px(30.0)), style(Align::Centre));
-                self.page.write(&label, pixel(self.left - self.px(14.0), y + self.px(6.0)), style(Align::Right));
-            }
-        }
+        let (unit, place) = (self.unit, self.place());
+        let label = |at: f64| if at.abs() < 1e6 { number(at) } else { digits(at) };
+        axes::linear(&mut self.page, unit, place, (half_width, mirrored), label);
     }
 }
 

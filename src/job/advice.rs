@@ -4,6 +4,7 @@ use super::compare::FacetComparison;
 use super::design::Design;
 use super::on_wall::WallProof;
 use super::proof::RimProof;
+use super::sentences::{WORTH_TELLING, finer_than_the_blur, stray_sentence};
 use crate::distribution::SlopeDistribution;
 use crate::recipe::{BorderFinish, Recipe, SurfaceKind};
 use crate::sharpen::SCORED_AT;
@@ -11,13 +12,17 @@ use crate::verify::verdict::Verdict;
 
 /// What a person should know when something is off; empty when nothing is. `verdict` is absent if no light was sent.
 pub fn advice(recipe: &Recipe, design: &Design, verdict: Option<&Verdict>) -> Vec<String> {
-    let of_proof = |verdict| [detail(recipe, design, verdict), lost_light(design, verdict)];
-    [below_plate(design), beyond_cap(recipe, design), mean_slope(recipe, design), no_cutter(recipe)]
+    let of_proof =
+        |verdict| [finer_than_the_blur(verdict), detail(recipe, design, verdict), lost_light(design, verdict)];
+    [below_plate(design), beyond_cap(recipe, design), mean_slope(recipe, design), no_cutter(recipe), straying(design)]
         .into_iter()
         .chain(verdict.into_iter().flat_map(of_proof))
         .flatten()
         .collect()
 }
+
+/// Height that is worth mounting a plate tilted for, mm: stock comes in steps of about a millimetre.
+const WORTH_LEVELLING: f64 = 1.0;
 
 /// Height that the mean slope alone costs from corner to corner, mm.
 pub(super) fn mean_slope_costs(recipe: &Recipe, distribution: &SlopeDistribution) -> f64 {
@@ -49,23 +54,31 @@ fn beyond_cap(recipe: &Recipe, design: &Design) -> Option<String> {
     })
 }
 
-/// A highlight off centre, whose mean slope makes the relief high or its walls large.
+/// A plate that is tilted as a whole, which makes the relief high or its walls large: the mirror direction of the lamp is not
+/// where the drawing has its mean.
 fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
     let costs = mean_slope_costs(recipe, &design.distribution);
     let (low, high) = design.relief.optical_heights();
-    if costs <= 0.5 || costs <= 0.5 * (high - low) {
+    if costs <= WORTH_LEVELLING || costs <= 0.5 * (high - low) {
         return None;
     }
     if design.sheet.is_none() && recipe.heights().is_cyclic() {
         return Some(
-            "The highlight is off centre and the arrangement is cyclic, so its mean slope stands in walls: add --level."
+            "The plate's mean slope is not zero and the arrangement is cyclic, so that slope stands in walls: add --level."
                 .into(),
         );
     }
     let tilt = design.distribution.mean.tilt().to_degrees();
     Some(format!(
-        "The highlight is off centre, which tilts the whole relief by {costs:.1} mm: --level mounts the plate at {tilt:.1}° instead."
+        "{costs:.1} mm of the relief's height are a tilt of the whole plate, since the middle of its light is not the middle \
+         of the picture: --level mounts the plate tilted by {tilt:.1}° instead."
     ))
+}
+
+/// Light that no relief keeps together, where it is enough to be seen.
+fn straying(design: &Design) -> Option<String> {
+    let share = design.least_stray.map(|stray| stray.share).filter(|share| *share >= WORTH_TELLING)?;
+    Some(stray_sentence(share))
 }
 
 fn no_cutter(recipe: &Recipe) -> Option<String> {

@@ -2,6 +2,7 @@
 
 use super::clock::Clock;
 use super::near::NearDesign;
+use super::sentences::{WORTH_TELLING, stray_sentence};
 use crate::distribution::{DistributionError, SlopeDistribution};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::export::solid::{SolidError, solid};
@@ -179,12 +180,8 @@ fn continuous(
 ) -> Result<Shaped, DesignError> {
     let sculpting = recipe.sculpting();
     let least_stray = least_stray(distribution, &sculpting);
-    match least_stray {
-        Some(stray) => {
-            let share = 100.0 * stray.share;
-            let note = format!("no cutter keeps less than {share:.2}% of the light from straying");
-            progress.stage_with(Stage::Sculpting, &note);
-        }
+    match least_stray.map(|stray| stray.share).filter(|share| *share >= WORTH_TELLING) {
+        Some(share) => progress.stage_with(Stage::Sculpting, &stray_sentence(share)),
         None => progress.stage(Stage::Sculpting),
     }
     let sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
@@ -268,7 +265,7 @@ fn faceted(
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {
     let [columns, rows] = recipe.facets();
     let pitch = recipe.pitch();
-    arrange_per_cell(slopes, columns, rows, recipe.cells()[0], |slopes, columns, rows, cell| {
+    arrange_per_cell(slopes, columns, rows, recipe.cells(), |slopes, columns, rows, cell| {
         let seed = recipe.design.seed.wrapping_add(cell as u64);
         if recipe.arrangement() == Arrangement::Transport {
             return transport::dome(slopes, columns, rows, pitch, progress);

@@ -5,6 +5,8 @@ use crate::facets::sample::Sampling;
 use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
 use crate::report::estimate::{EstimateReport, Parts};
 use crate::sculpt::milled_facets::places;
+use crate::sculpt::plan::{SheetSpec, Step, plan};
+use crate::sculpt::tool::Tool;
 
 /// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
 type Measured = &'static [(f64, f64)];
@@ -40,8 +42,12 @@ const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
 /// CPU seconds a place of the tool on a plate of facets, to mill it and to send light over it.
 const MILLED_PLACE: f64 = 4.5e-7;
 
-/// CPU seconds a node of a sheet's cell: without a cutter, and for one (400² nodes: 6.5, 16 s).
-const SCULPTING: (f64, f64) = (4.1e-5, 1e-4);
+/// CPU seconds of any sheet, and for each evaluation of a node that its plan counts: without a cutter, and for one. Cells of 64²,
+/// 128² and 400² nodes took 0.9, 2.5 and 6.5 s; for a ball of 0.5 in 10 mm 3.6, 4.8 and 16 s.
+const SCULPTING: (f64, f64, f64) = (0.35, 1.7e-7, 3e-7);
+
+/// CPU seconds for each place of the tool over a cell: all the times that a sheet is milled on its way, and filled at the end.
+const TOOL_PLACE: f64 = 1.2e-6;
 
 /// What a design of `recipe` will be; `proved` if light is to be sent over it.
 ///
@@ -76,9 +82,7 @@ pub fn estimate(recipe: &Recipe, proved: bool) -> EstimateReport {
 fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let sculpting = recipe.sculpting();
     let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
-    let nodes = (sculpting.grid * sculpting.grid) as f64;
     let triangles = 2 * columns * rows + 8 * (columns + rows);
-    let each = if sculpting.settings.cutter.is_some() { SCULPTING.1 } else { SCULPTING.0 };
     let step = sculpting.cell / sculpting.grid as f64;
     let proof = proof_seconds(recipe);
     let [width, height] = recipe.plate.size;
@@ -93,10 +97,23 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
         parts: Parts::Sheet { grid: sculpting.grid, cells: sculpting.cells },
         stl_triangles_about: triangles,
         stl_bytes_about: stl_bytes(triangles),
-        design_cpu_seconds_about: 0.1 + each * nodes,
+        design_cpu_seconds_about: sculpting_seconds(&sculpting),
         verify_cpu_seconds_about: if proved { proof + beside } else { 0.0 },
         files_cpu_seconds_about: FILES + 2e-7 * triangles as f64,
         least_stray_share: None,
+    }
+}
+
+/// What the steps of a sheet's plan cost.
+fn sculpting_seconds(spec: &SheetSpec) -> f64 {
+    let evaluations: f64 = plan(spec).iter().map(Step::cost).sum();
+    let (fixed, bare, cut) = SCULPTING;
+    match spec.settings.cutter {
+        None => fixed + bare * evaluations,
+        Some(cutter) => {
+            let places = Tool::new(spec.cell, cutter).places as f64;
+            fixed + cut * evaluations + TOOL_PLACE * places * places
+        }
     }
 }
 
@@ -143,6 +160,26 @@ mod tests {
         let square: Measured = &[(1.0, 1.0), (10.0, 100.0), (20.0, 400.0)];
         for (size, seconds) in [(1.0, 1.0), (3.0, 9.0), (10.0, 100.0), (15.0, 225.0), (40.0, 800.0), (0.5, 0.5)] {
             assert!((interpolated(square, size) / seconds - 1.0).abs() < 1e-12, "{size}");
+        }
+    }
+
+    #[test]
+    fn a_sheet_takes_about_as_long_as_its_plan_and_its_tool_say() {
+        // CPU seconds of designs of the example pictures, one thread of a release build, beside other work.
+        for (grid, side, ball, measured) in [
+            (64, 10.0, None, 0.93),
+            (64, 10.0, Some(0.5), 3.59),
+            (128, 10.0, None, 2.49),
+            (128, 10.0, Some(0.5), 4.8),
+            (128, 30.0, Some(1.0), 4.98),
+            (400, 10.0, None, 6.5),
+            (400, 10.0, Some(0.5), 16.0),
+        ] {
+            let mut recipe = Recipe::default();
+            (recipe.plate.size, recipe.plate.cells, recipe.plate.grid) = ([side; 2], Some(1.into()), Some(grid));
+            recipe.design.sheet.cutter = ball.map(Cutter::ball);
+            let told = estimate(&recipe, false).design_cpu_seconds_about;
+            assert!((measured / 1.5..measured * 1.5).contains(&told), "{grid} {side} {ball:?}: {told} {measured}");
         }
     }
 }

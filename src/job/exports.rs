@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use super::pictures::{ProofPictures, target_picture};
 use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
-use crate::export::shading::relief_picture;
+use crate::export::shading::ReliefPicture;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
@@ -189,8 +189,11 @@ impl<'a> Source<'a> {
     }
 
     fn relief(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Product { design, .. } = self.product;
         let made_of: Vec<String> = [self.product.made_of()].into_iter().chain(self.product.about_rim()).collect();
-        png(&relief_picture(&self.product.design.relief, &made_of.join(", "), RELIEF_PICTURE_SIDE), out)
+        let (relief, made_of) = (&design.relief, &made_of.join(", "));
+        let page = ReliefPicture { relief, continuous: design.sheet.is_some(), made_of };
+        png(&page.picture(RELIEF_PICTURE_SIDE), out)
     }
 
     fn target(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -10,8 +10,11 @@
 pub mod clock;
 
 pub mod near;
+mod sentences;
 
 pub mod design;
+
+mod scene_facts;
 
 pub mod on_wall;
 
@@ -21,9 +24,13 @@ pub mod compare;
 
 pub mod estimate;
 
+mod wall_pictures;
+
 pub mod pictures;
 
 mod product;
+
+mod lighter;
 
 mod advice;
 
@@ -32,6 +39,7 @@ pub mod report;
 pub mod exports;
 
 pub use product::{Content, Product, png};
+pub use sentences::{finer_than_the_blur, in_a_sentence};
 
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};

@@ -1,40 +1,34 @@
 //! The proof of a plate in its room: light thrown on the wall of its scene, as designed and as its cutter leaves it.
 
-use glam::{DVec2, DVec3};
-
 use super::design::{Design, DesignError};
 use super::proof::{MilledProof, Proof, RimProof};
+use super::scene_facts::{in_words, mirror_miss, sag, stopped_by_lamp};
 use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
 use crate::highlight::{Quantity, scored_target};
-use crate::lamp::Lamp;
 use crate::progress::{Progress, Stage};
-use crate::projection::View;
 use crate::raster::Raster;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::relief::height_grid::HeightGrid;
-use crate::relief::open::OpenRelief;
-use crate::report::on_wall::{CellsOnWall, OnWallFacts, UnderSun};
+use crate::relief::open::{NodeGrid, OpenRelief};
+use crate::report::on_wall::{CellsOnWall, DiffractionOnWall, OnWallFacts, UnderSun};
 use crate::scene::Scene;
+use crate::sculpt::detail::WAVELENGTH;
 use crate::sculpt::milled_facets::milled_facets;
 use crate::sculpt::room::milling::{milled, usual_tool};
 use crate::sculpt::room::objective::polished;
 use crate::sculpt::room::plate_grid::PlateGrid;
-use crate::slope::Slope;
 use crate::trace::Surface;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
-use crate::verify::elsewhere::{Elsewhere, ThrownElsewhere};
+use crate::verify::elsewhere::{Elsewhere, ThrownElsewhere, change};
 use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
 use crate::verify::thrown::{ACROSS, Throwing, Thrown, within_picture};
 use crate::verify::verdict::Verdict;
-use crate::verify::wall_verdict::{WallVerdict, eye_blur};
-
-/// Half the width of a lamp's housing where the lamp itself is smaller, mm: a pocket lamp.
-const HOUSING: f64 = 15.0;
+use crate::verify::wall_verdict::{WallVerdict, eye_blur, likeness_once_spread};
 
 /// Light on a wall, and its figures there.
 #[derive(Clone, Debug)]
@@ -60,7 +54,9 @@ pub struct WallProof {
     pub milled: Option<WallLight>,
     /// What it throws elsewhere, of a relief that stands on a grid.
     pub elsewhere: Option<ThrownElsewhere>,
-    /// Share of the picture's light that the lamp, [`HOUSING`] mm across or larger, stops on its way to the wall.
+    /// What diffraction leaves of it, of a sheet.
+    pub diffraction: Option<WallDiffraction>,
+    /// Share of the picture's light that the lamp, 30 mm across or larger, stops on its way to the wall.
     pub stopped_by_lamp: f64,
 }
 
@@ -89,11 +85,27 @@ impl WallProof {
             in_focus_tv: elsewhere.map(|elsewhere| elsewhere.in_focus),
             under_sun: elsewhere.map(|elsewhere| UnderSun { wall_mm: elsewhere.sun.0, tv: elsewhere.sun.1 }),
             cells_tv: elsewhere.filter(|e| e.windows.len() > 1).map(|elsewhere| cells(&elsewhere.windows)),
+            diffraction: self.diffraction.map(|found| DiffractionOnWall {
+                smallest_patch_mm: found.patch,
+                its_spread_mm: found.spread,
+                ssim_eye_if_all_spread: found.ssim,
+            }),
             stopped_by_lamp: self.stopped_by_lamp,
             designed: (&self.designed.verdict).into(),
             as_milled: self.milled.as_ref().map(|milled| (&milled.verdict).into()),
         }
     }
+}
+
+/// What diffraction by the smallest patches on which a sheet's light depends leaves of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallDiffraction {
+    /// Width of such a patch, mm.
+    pub patch: f64,
+    /// By how much it spreads light, mm on the wall at half brightness.
+    pub spread: f64,
+    /// Likeness to the drawing at the eye's blur, were all light spread so.
+    pub ssim: f64,
 }
 
 /// A proof in a room, to which plates are handed one by one.
@@ -155,6 +167,7 @@ impl<'a> RoomProof<'a> {
             designed,
             milled: None,
             elsewhere,
+            diffraction: None,
             stopped_by_lamp,
         })
     }
@@ -244,6 +257,10 @@ pub(super) fn prove_in_room(
     let over_all = rim.as_ref().filter(|rim| rim.counts).map(|rim| &rim.light);
     let (measurement, verdict, designed) = room.judged(thrown, over_all)?;
     let mut wall = room.wall_proof(designed, elsewhere);
+    if let (Some(wall), Some(sheet)) = (&mut wall, sheet) {
+        wall.diffraction = diffraction(&sheet.relief, wall, progress);
+        progress.check()?;
+    }
     let mut milled = None;
     if let Some((thrown, left)) = over_milled(&room, design, sheet.map(|sheet| &sheet.relief))? {
         let (measurement, verdict, on_wall) = room.judged(thrown, over_all)?;
@@ -300,74 +317,38 @@ fn over_milled(
     Ok(Some((room.throwing().on(&GridSurface::continuous(&surface)), left)))
 }
 
+/// The change of the light at a blur of 0.5° that shows a patch to be needed: as for far sheets at 1°.
+const SEEN: f64 = 0.002;
+
+/// Halvings of the range of patches, on a logarithmic scale: from a node to a twentieth of the plate in steps of 8 %.
+const HALVINGS: usize = 6;
+
+/// Width of a Gaussian at half its height, standard deviations.
+const WIDTH: f64 = 2.354_820_045_030_949;
+
+/// Looks for the widest Gaussian by which heights can be smoothed without visible change of the light on the wall, and for
+/// what diffraction by patches so wide leaves of the picture.
+fn diffraction(relief: &OpenRelief, wall: &WallProof, progress: &Progress) -> Option<WallDiffraction> {
+    let WallProof { scene, eye_distance, target, designed, .. } = wall;
+    let grid = PlateGrid::of(relief, None);
+    let written = grid.embedded(relief);
+    let surface = |heights: &[f32]| GridSurface::continuous(&height_grid(&grid.plate(heights)));
+    let change = change(scene, &surface(&written), progress)?;
+    let (mut unseen, mut seen) = (0.25 * relief.step.min_element(), 0.05 * relief.size().min_element());
+    for _ in 0..HALVINGS {
+        let middle = (unseen * seen).sqrt();
+        let changed = change(&surface(&polished(&grid, written.clone(), middle)))?;
+        *(if changed > SEEN { &mut seen } else { &mut unseen }) = middle;
+    }
+    let patch = WIDTH * unseen;
+    let spread = scene.wall_distance() * WAVELENGTH / patch;
+    let ssim = likeness_once_spread(&designed.thrown, target, scene, *eye_distance, spread / WIDTH)?;
+    Some(WallDiffraction { patch, spread, ssim })
+}
+
 fn height_grid(relief: &OpenRelief) -> HeightGrid {
     let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
     let [nx, ny] = relief.nodes;
     let heights = relief.heights.iter().map(|z| f64::from(*z)).collect();
     HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights)
-}
-
-/// Share of the picture's light that a lamp nearby stops: rays from places all over the plate to the drawing's lit points.
-fn stopped_by_lamp(scene: &Scene, size: DVec2, target: &Raster) -> f64 {
-    let Lamp::Ball { middle, radius } = *scene.lamp() else { return 0.0 };
-    let radius = radius.max(HOUSING);
-    let drawn = target.resampled(64, 64);
-    let (mut stopped, mut all) = (0.0, 0.0);
-    for place in (0..25).map(|k| DVec2::new((k % 5) as f64, (k / 5) as f64) / 5.0 - 0.4) {
-        let place = (place * size).extend(0.0);
-        for (k, light) in drawn.values.iter().enumerate().filter(|(_, light)| **light > 0.0) {
-            let uv = View::pixel_centre(k % 64, k / 64, 64, 64);
-            let Some(o) = scene.direction_to(place, uv) else { continue };
-            all += light;
-            let along = (middle - place).dot(o);
-            let met = scene.wall().is_none_or(|wall| along < wall.depth(place) / o.dot(wall.normal()));
-            if along > 0.0 && met && (middle - place - along * o).length() < radius {
-                stopped += light;
-            }
-        }
-    }
-    if all > 0.0 { stopped / all } else { 0.0 }
-}
-
-/// How deep the bowl is that lamp and wall ask of a plate of `size`, mm: of the paraboloid that touches the ellipsoid with
-/// foci at lamp and picture.
-pub fn sag(scene: &Scene, size: DVec2) -> f64 {
-    let l = scene.light(DVec3::ZERO).direction;
-    let (cos, along) = (l.z.max(1e-3), l.truncate().try_normalize().unwrap_or(DVec2::X));
-    let height = |at: DVec2| {
-        let (t, u) = (at.dot(along), at.perp_dot(along));
-        (cos * t * t + u * u / cos) / (4.0 * scene.focal_length())
-    };
-    let corners = [size, DVec2::new(size.x, -size.y)].map(|corner| height(0.5 * corner));
-    corners[0].max(corners[1])
-}
-
-/// From the picture's middle to where the flat plate would throw the lamp's light, mm on the wall.
-pub fn mirror_miss(scene: &Scene) -> Option<f64> {
-    let uv = scene.thrown(DVec3::ZERO, Slope::FLAT)?;
-    scene.wall().map(|wall| uv.length() * wall.half)
-}
-
-/// Lamp and wall in words.
-pub fn in_words(scene: &Scene) -> [String; 2] {
-    let l = scene.light(DVec3::ZERO).direction;
-    let (theta, phi) = (l.z.clamp(-1.0, 1.0).acos().to_degrees(), l.y.atan2(l.x).to_degrees());
-    let angles = if theta < 0.05 {
-        "straight above the plate".into()
-    } else {
-        format!("{theta:.0}° off the plate's normal toward {phi:.0}°")
-    };
-    let lamp = match *scene.lamp() {
-        Lamp::Ball { radius, .. } if radius > 0.0 => {
-            format!("lamp of {:.1} mm across, {:.2} m away, {angles}", 2.0 * radius, 1e-3 * scene.lamp_distance())
-        }
-        Lamp::Ball { .. } => format!("point of light {:.2} m away, {angles}", 1e-3 * scene.lamp_distance()),
-        Lamp::Distant(_) => format!("distant lamp, {angles}"),
-    };
-    let wall = scene.wall().map_or("endlessly far screen".into(), |wall| {
-        let slant = wall.centre.normalize_or_zero().dot(wall.normal()).clamp(-1.0, 1.0).acos().to_degrees();
-        let tilt = if slant < 0.05 { String::new() } else { format!(", met at {slant:.0}° from its normal") };
-        format!("wall {:.2} m away{tilt}, picture {:.0} mm wide", 1e-3 * scene.wall_distance(), 2.0 * wall.half)
-    });
-    [lamp, wall]
 }

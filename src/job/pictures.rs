@@ -2,14 +2,15 @@
 
 use image::{GrayImage, RgbImage};
 
-use crate::export::comparison::{Captions, ComparisonPage};
+use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::export::pixels::{common_white, tone_mapped};
 use crate::job::proof::Proof;
+use crate::job::wall_pictures::wall_page;
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::recipe::{Recipe, Seen};
 use crate::verify::score::blurred;
-use crate::verify::verdict::{MAIN_BLUR, Verdict};
+use crate::verify::verdict::{BLURS, MAIN_BLUR, Verdict};
 
 /// `raster` the way the user drew: a picture seen on a wall was mirrored on its way in.
 fn as_drawn(raster: &Raster, recipe: &Recipe) -> Raster {
@@ -30,11 +31,11 @@ pub fn target_picture(target: &Raster, recipe: &Recipe) -> GrayImage {
     tone_mapped(&drawn, common_white(&drawn))
 }
 
-/// The pictures of a proof, all seen through the main blur.
+/// The pictures of a proof.
 pub struct ProofPictures {
-    /// `simulated.png`: what the light did.
+    /// `simulated.png`: what the light did, as sharp as it was traced.
     pub simulated: GrayImage,
-    /// `comparison.png`: that beside what was asked for.
+    /// `comparison.png`: that beside what was asked for, sharp and through the main blur.
     pub comparison: RgbImage,
     /// `comparison_milled.png`: the same of the plate as its cutter leaves it, if there is a cutter or polish.
     pub milled: Option<RgbImage>,
@@ -43,38 +44,62 @@ pub struct ProofPictures {
 impl ProofPictures {
     /// Of `proof`, laid out by `view`; `footer` stands under the pages.
     pub fn new(proof: &Proof, recipe: &Recipe, view: &View, footer: &str) -> Self {
-        let see = |raster: &Raster| as_seen(raster, recipe, view);
-        let (target, simulated) = (see(&proof.target), see(&proof.measurement.whole.lit_image()));
-        let compare = |simulated: &Raster, verdict: &Verdict, how: &str| {
-            let captions = captions(verdict, how, footer);
-            let blur = MAIN_BLUR.to_radians();
-            ComparisonPage { target: &target, simulated, view, blur, captions: &captions }.picture()
-        };
+        let drawn = Drawn { view, footer, sharp: as_drawn(&proof.target, recipe) };
+        let simulated = as_drawn(&proof.measurement.whole.lit_image(), recipe);
         let milled = proof.milled.as_ref().map(|milled| {
             let how = recipe.design.sheet.cutter.map_or("polished, ".into(), |cutter| format!("cut by {cutter}, "));
-            compare(&see(&milled.measurement.whole.lit_image()), &milled.verdict, &how)
+            let image = as_drawn(&milled.measurement.whole.lit_image(), recipe);
+            drawn.beside(&image, &milled.verdict, &how)
         });
-        Self {
-            comparison: compare(&simulated, &proof.verdict, ""),
-            simulated: tone_mapped(&simulated, common_white(&target)),
-            milled,
+        let simulated_picture = tone_mapped(&simulated, common_white(&drawn.sharp));
+        if let Some(wall) = &proof.wall {
+            let how = recipe.design.sheet.cutter.map_or("polished".into(), |cutter| format!("cut by {cutter}"));
+            return Self {
+                comparison: wall_page(wall, &wall.designed, view, "", footer),
+                simulated: simulated_picture,
+                milled: wall.milled.as_ref().map(|light| wall_page(wall, light, view, &how, footer)).or(milled),
+            };
         }
+        Self { comparison: drawn.beside(&simulated, &proof.verdict, ""), simulated: simulated_picture, milled }
     }
 }
 
-fn captions(verdict: &Verdict, how: &str, footer: &str) -> Captions {
-    let main = verdict.main();
-    Captions {
-        numbers: [
-            format!("as drawn, blurred by {MAIN_BLUR}°"),
-            format!("{how}{} rays, blurred by {MAIN_BLUR}°", rays(verdict.rays)),
-            format!(
-                "TV({MAIN_BLUR}°) {:.4}   SSIM {:.3}   W1 {:.2}°",
-                main.tv_incident.value, main.ssim.value, verdict.w1.value
-            ),
-        ],
-        footer: footer.to_owned(),
-        ..Captions::default()
+/// What was asked for, and how it is laid out.
+struct Drawn<'a> {
+    view: &'a View,
+    footer: &'a str,
+    /// The drawing, unblurred.
+    sharp: Raster,
+}
+
+impl Drawn<'_> {
+    /// The page that shows it beside `simulated`, which was made `how`: sharp above, through the main blur below.
+    fn beside(&self, simulated: &Raster, verdict: &Verdict, how: &str) -> RgbImage {
+        let (view, sharp) = (self.view, &self.sharp);
+        let rays = rays(verdict.rays);
+        let figures = |blur: f64| {
+            let scores = verdict.at(blur);
+            format!("TV({blur}°) {:.4}   SSIM({blur}°) {:.3}", scores.tv_incident.value, scores.ssim.value)
+        };
+        let above = Comparison {
+            target: sharp.clone(),
+            simulated: simulated.clone(),
+            titles: ["Target", "Simulated", "Difference"].map(str::to_owned),
+            numbers: ["as drawn, sharp".into(), format!("{how}{rays} rays, sharp"), figures(BLURS[0])],
+        };
+        let titles = above.titles.clone().map(|title| format!("{title}, blurred by {MAIN_BLUR}°"));
+        let see = |raster: &Raster| blurred(raster, view, MAIN_BLUR.to_radians());
+        let below = Comparison {
+            target: see(sharp),
+            simulated: see(simulated),
+            titles,
+            numbers: [
+                "about what polished metal blurs".into(),
+                format!("{how}{rays} rays"),
+                format!("{}   W1 {:.2}°", figures(MAIN_BLUR), verdict.w1.value),
+            ],
+        };
+        ComparisonPage { rows: &[above, below], view, on_wall: None, heading: "", footer: self.footer }.picture()
     }
 }
 

@@ -5,9 +5,11 @@ use std::f64::consts::PI;
 use super::advice::{about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
+use super::lighter::{Lighter, lighter};
 use super::near::NearDesign;
 use super::product::Product;
-use super::proof::{MilledProof, SheetProof};
+use super::proof::{MilledProof, Proof, SheetProof};
+use super::sentences::in_a_sentence;
 use crate::distribution::SlopeDistribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
@@ -42,7 +44,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
     DesignReport {
         program: PROGRAM,
-        picture: PictureFacts::new(picture, recipe.picture.clone()),
+        picture: PictureFacts::new(picture, recipe.picture_path().map(|path| path.to_string_lossy().into_owned())),
         recipe: recipe.clone(),
         highlight: HighlightFacts {
             below_plate: design.below_plate,
@@ -59,13 +61,23 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
         holds_beyond: (!recipe.is_near()).then(|| holds_beyond(recipe)),
         on_wall: proof.as_ref().and_then(|proof| proof.wall.as_ref()).map(|wall| wall.facts(recipe)),
         rim: product.about_rim().map(|for_the_shop| rim(product, for_the_shop)),
-        stl: stl(recipe, design),
+        stl: stl(product),
         designed: verdict.map(Into::into),
         windows_tv_1deg: sheet_proof.map(windows),
         diffraction: sheet_proof.map(diffraction),
         as_milled: milled.map(as_milled),
         beside_facets: comparison.as_ref().map(beside_facets),
+        verdict: proof.as_ref().map(|proof| one_sentence(recipe, proof)),
         advice: said,
+    }
+}
+
+/// How the light of the plate came out: as it is made, if that is known.
+fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
+    match (&proof.milled, recipe.design.sheet.cutter) {
+        (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("Cut by {cutter}")),
+        (Some(milled), None) => in_a_sentence(&milled.verdict, "Polished"),
+        (None, _) => in_a_sentence(&proof.verdict, ""),
     }
 }
 
@@ -164,7 +176,7 @@ fn rim(product: &Product, for_the_shop: String) -> RimFacts {
     }
 }
 
-fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
+fn stl(Product { recipe, design, proof, .. }: &Product) -> StlFacts {
     let (low, high) = design.relief.optical_heights();
     let lowest = design.relief.height_range().0;
     let triangles = design.mesh.triangles.len();
@@ -175,7 +187,13 @@ fn stl(recipe: &Recipe, design: &Design) -> StlFacts {
         z_base_mm: lowest - recipe.plate.thickness,
         z_low_mm: low,
         z_high_mm: high,
+        lighter: proof.as_ref().and_then(|proof| lighter(recipe, design, &proof.target)).map(lighter_facts),
     }
+}
+
+fn lighter_facts(lighter: Lighter) -> LighterFacts {
+    let Lighter { grid, triangles, bytes, misplaced: [of_it, of_this] } = lighter;
+    LighterFacts { grid, triangles, bytes, tv_incident_1deg: of_it, tv_incident_1deg_of_this: of_this }
 }
 
 /// What sharpening the light against lamp and metal is worth, as far as the light is as wanted.

@@ -31,15 +31,15 @@ impl Recipe {
         if columns * rows > MOST_FACETS {
             return Err(RecipeError::TooManyFacets { columns, rows });
         }
-        let [cells, _] = self.cells();
-        if !columns.is_multiple_of(cells) || !rows.is_multiple_of(cells) {
-            let nearest = |n: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
+        let [across, up] = self.cells();
+        if !columns.is_multiple_of(across) || !rows.is_multiple_of(up) {
+            let nearest = |n: usize, cells: usize| (n as f64 / cells as f64).round().max(1.0) as usize * cells;
             return Err(RecipeError::Indivisible {
                 columns,
                 rows,
-                cells,
-                near_columns: nearest(columns),
-                near_rows: nearest(rows),
+                cells: [across, up],
+                near_columns: nearest(columns, across),
+                near_rows: nearest(rows, up),
             });
         }
         let pitch = self.pitch();
@@ -63,11 +63,9 @@ impl Recipe {
         if cell.max_element() > 4.0 * cell.min_element() {
             return Err(RecipeError::LongCells { across: cell.x, up: cell.y });
         }
-        let cells: f64 = sculpting.cells.iter().map(|n| *n as f64).product();
-        let triangles = 2.0 * (grid as f64).powi(2) * cells;
-        if triangles > self.most_triangles() as f64 {
-            let most = (self.most_triangles() as f64 / (2.0 * cells)).sqrt();
-            return Err(RecipeError::TooManyTriangles { triangles, most: 2 * (most / 2.0) as usize });
+        if !self.fits_the_file(grid) {
+            let most = (1..grid / 2).rev().map(|half| 2 * half).find(|grid| self.fits_the_file(*grid));
+            return Err(RecipeError::TooManyTriangles { triangles: self.triangles(grid), most: most.unwrap_or(0) });
         }
         self.design.sheet.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
         if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.diameter() > cell.min_element()) {
@@ -118,15 +116,17 @@ pub enum RecipeError {
     NoBorder,
     /// Facets do not divide into cells.
     #[error(
-        "{columns}x{rows} facets do not divide into {cells}x{cells} cells: take --facets {near_columns}x{near_rows}, or other --cells"
+        "{columns}x{rows} facets do not divide into {}x{} cells: take --facets {near_columns}x{near_rows}, or other --cells",
+        cells[0],
+        cells[1]
     )]
     Indivisible {
         /// Facets along x.
         columns: usize,
         /// Facets along y.
         rows: usize,
-        /// Cells a side.
-        cells: usize,
+        /// Cells along x and y.
+        cells: [usize; 2],
         /// The nearest number along x that divides.
         near_columns: usize,
         /// The nearest number along y that divides.
@@ -231,6 +231,7 @@ impl RecipeError {
 mod tests {
     use super::*;
     use crate::facets::arrange::anneal::Annealing;
+    use crate::recipe::Cells;
 
     #[test]
     fn a_recipe_survives_toml_and_typos_do_not() {
@@ -261,7 +262,7 @@ mod tests {
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");
-        assert_eq!(named(refused(|r| r.plate.cells = Some(0))), "cells");
+        assert_eq!(named(refused(|r| r.plate.cells = Some(0.into()))), "cells");
         assert!(refused(|r| r.plate.border_finish = Some(BorderFinish::Polished)).to_string().contains("--border"));
         let steep =
             |r: &mut Recipe| (r.plate.border, r.plate.border_finish) = (3.0, Some(BorderFinish::Sloped(Some(70.0))));
@@ -282,7 +283,7 @@ mod tests {
             change(&mut recipe);
             recipe.check().unwrap_err()
         };
-        let error = flat(|r| r.plate.cells = Some(4));
+        let error = flat(|r| r.plate.cells = Some(4.into()));
         assert!(error.is_impossible() && error.to_string().contains("--facets 32x32"), "{error}");
         assert!(flat(|r| r.plate.facets = Some([3000, 3000])).is_impossible());
         assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
@@ -303,11 +304,30 @@ mod tests {
         assert_eq!(continuous(|r| r.plate.grid = Some(255)), RecipeError::OddGrid { grid: 255 });
         let error = continuous(|r| r.plate.grid = Some(1024));
         assert!(error.is_impossible() && error.to_string().contains("--grid to 408"), "{error}");
-        let error = continuous(|r| (r.plate.size, r.plate.cells) = ([30.0, 2.0], Some(3)));
+        let error = continuous(|r| (r.plate.size, r.plate.cells) = ([30.0, 2.0], Some(3.into())));
         assert!(matches!(error, RecipeError::LongCells { .. }));
-        let many = continuous(|r| r.plate.cells = Some(1000)).to_string();
+        let many = continuous(|r| r.plate.cells = Some(1000.into())).to_string();
         assert!(many.contains("fewer --cells"), "{many}");
+        let error = flat(|r| r.plate.cells = Some(Cells([5, 4])));
+        assert!(error.to_string().contains("5x4 cells: take --facets 30x32"), "{error}");
         assert!(continuous(|r| r.design.sheet.cutter = Some(Cutter::ball(20.0))).is_impossible());
         assert!(continuous(|r| r.design.sheet.polish = Some(2.5)).is_impossible());
+    }
+
+    #[test]
+    fn a_budget_of_triangles_chooses_the_grid_and_is_kept() {
+        for (most, grid) in [(75_000, 60), (76_032, 64), (50_000, 48), (10_000, 20), (3_000_000, 400)] {
+            let mut recipe = Recipe::default();
+            recipe.plate.max_triangles = Some(most);
+            assert_eq!((recipe.check(), recipe.sculpting().grid), (Ok(()), grid), "{most}");
+            assert!(recipe.triangles(grid) <= most as f64);
+        }
+        let mut recipe = Recipe::default();
+        recipe.plate.max_triangles = Some(4000);
+        let error = recipe.check().unwrap_err().to_string();
+        assert!(error.contains("5184 triangles") && error.contains("fewer --cells"), "{error}");
+        (recipe.plate.max_triangles, recipe.plate.grid) = (Some(75_000), Some(64));
+        let error = recipe.check().unwrap_err().to_string();
+        assert!(error.contains("76032 triangles") && error.contains("--grid to 62"), "{error}");
     }
 }

@@ -39,9 +39,21 @@ impl Recipe {
         self.design.annealing.unwrap_or_default()
     }
 
-    /// Triangles of a sheet at the most.
-    pub(crate) fn most_triangles(&self) -> usize {
-        self.plate.max_triangles.unwrap_or(3_000_000)
+    /// Triangles of the file of a sheet whose cells have `grid` nodes a side, or a few more.
+    pub(crate) fn triangles(&self, grid: usize) -> f64 {
+        let [columns, rows] = self.cells().map(|cells| (cells * grid) as f64);
+        // The sides and the base have three for each edge around the plate; a rim has four more.
+        let around = 2.0 * (columns + rows);
+        2.0 * columns * rows + around * if self.plate.border > 0.0 { 7.0 } else { 3.0 }
+    }
+
+    /// Whether a sheet of `grid` nodes a side of a cell has no more triangles than it may. Where nothing was asked, only those of
+    /// its upper surface count.
+    pub(crate) fn fits_the_file(&self, grid: usize) -> bool {
+        /// An STL of 150 MB.
+        const USUAL: f64 = 3e6;
+        let surface = 2.0 * self.cells().map(|cells| (cells * grid) as f64).iter().product::<f64>();
+        self.plate.max_triangles.map_or(surface <= USUAL, |most| self.triangles(grid) <= most as f64)
     }
 
     /// How heights are found: as asked, or cyclic where the arrangement is cyclic.
@@ -63,7 +75,7 @@ impl Recipe {
                 [x, y].map(|length| (length / side).round() as usize)
             }
         };
-        self.plate.cells.map_or_else(usual, |cells| [cells; 2])
+        self.plate.cells.map_or_else(usual, |cells| cells.0)
     }
 
     /// What a sheet of this recipe shall be.
@@ -72,7 +84,7 @@ impl Recipe {
         let cells = self.cells();
         let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
         let DesignSettings { sheet: settings, seed, .. } = self.design;
-        let suitable = || suitable_grid(cell, cells, settings.cutter, self.most_triangles());
+        let suitable = || suitable_grid(cell, settings.cutter, |grid| self.fits_the_file(grid));
         SheetSpec { cell, cells, grid: grid.unwrap_or_else(suitable), seed, settings }
     }
 

@@ -2,6 +2,8 @@
 
 mod border_finish;
 
+mod cells;
+
 mod sections;
 
 mod scene;
@@ -12,12 +14,15 @@ pub mod settings;
 
 mod check;
 
+mod text;
+
 mod kind;
 
 use serde::{Deserialize, Serialize};
 
 pub use crate::cutter::{Cutter, CutterError};
 pub use border_finish::{BorderFinish, BorderFinishError};
+pub use cells::Cells;
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
 pub use scene::{NearMethod, SceneFault, SceneSettings};
@@ -32,9 +37,12 @@ use crate::facets::arrange::anneal::{Annealing, Energy};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Recipe {
-    /// The picture of the highlight, as named by the user; relative to the working folder.
+    /// The picture of the highlight, as named by the user; relative to the recipe's own folder or to the working folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub picture: Option<String>,
+    /// The picture's name where it is not Unicode: its bytes, two hexadecimal digits each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture_bytes: Option<String>,
     /// How the picture is read, and what it means.
     pub highlight: HighlightSettings,
     /// The lamp.
@@ -63,24 +71,8 @@ impl Recipe {
         recipe.design.distribution = SlopeDistributionSettings { slope_cap: 65.0, level: true };
         recipe
     }
-
-    /// As TOML.
-    pub fn to_toml(&self) -> String {
-        // Plain tables of numbers, words and one path: a path that is not UTF-8 is the one thing that cannot be said.
-        toml::to_string_pretty(self).unwrap_or_else(|error| format!("# not representable: {error}\n"))
-    }
-
-    /// From TOML; what is not said keeps its default, what is not known is an error.
-    pub fn from_toml(text: &str) -> Result<Self, RecipeError> {
-        toml::from_str(text).map_err(|error| RecipeError::Unreadable(error.message().to_owned(), line_of(text, &error)))
-    }
 }
 
 fn is_far(scene: &SceneSettings) -> bool {
     *scene == SceneSettings::default()
-}
-
-fn line_of(text: &str, error: &toml::de::Error) -> usize {
-    let before = error.span().map_or(0, |span| span.start);
-    text.as_bytes().iter().take(before).filter(|b| **b == b'\n').count() + 1
 }

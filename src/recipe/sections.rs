@@ -3,7 +3,7 @@
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
-use super::{BorderFinish, SurfaceKind};
+use super::{BorderFinish, Cells, SurfaceKind};
 use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
@@ -82,9 +82,9 @@ pub struct PlateSettings {
     /// Facets along x and y, on the whole plate; without it 30 each way.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_pair")]
     pub facets: Option<[usize; 2]>,
-    /// The whole highlight is repeated in this many cells along each side; without it, as suits the kind of relief.
+    /// The whole highlight is repeated in this many cells along x and y; without it, as suits the kind of relief.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub cells: Option<usize>,
+    pub cells: Option<Cells>,
     /// Solid metal under the lowest point, mm.
     pub thickness: f64,
     /// Rim around the optical area, mm.
@@ -101,7 +101,7 @@ pub struct PlateSettings {
     /// Nodes along each side of a cell of a sheet; without it, as suits picture, cutter and file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<usize>,
-    /// Triangles of a sheet at the most, on the whole plate; without it 3 million.
+    /// Triangles of a sheet's file at the most; without it 3 million on its upper surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_triangles: Option<usize>,
 }

@@ -52,6 +52,9 @@ pub struct DesignReport {
     /// The sheet beside facets, if they were compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_facets: Option<BesideFacets>,
+    /// How the light came out, in a sentence, if any was sent: that of the plate as it is cut, if it has a cutter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
 }
@@ -291,6 +294,24 @@ pub struct StlFacts {
     pub z_low_mm: f64,
     /// Highest point of the relief, mm.
     pub z_high_mm: f64,
+    /// If the file is heavy and light was sent, what the same relief would be in a smaller one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lighter: Option<LighterFacts>,
+}
+
+/// The same relief on a coarser grid, as written; misplaced light by first bounces.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LighterFacts {
+    /// Nodes along a side of a cell.
+    pub grid: usize,
+    /// Triangles of its file.
+    pub triangles: usize,
+    /// Size of the file, bytes.
+    pub bytes: u64,
+    /// Misplaced light of it at a blur of 1°.
+    pub tv_incident_1deg: f64,
+    /// The same, counted in the same way, of the file that there is.
+    pub tv_incident_1deg_of_this: f64,
 }
 
 /// Misplaced light in windows of a sheet, at a blur of 1°.

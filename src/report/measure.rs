@@ -99,6 +99,10 @@ pub struct BrdfFacts {
     pub greatest_albedo_error: f64,
     /// Mean difference when light and viewer change places.
     pub reciprocity_error: f64,
+    /// About how much of that is noise of the rays.
+    pub reciprocity_noise: f64,
+    /// About how many rays from each direction bring that noise to 5 %.
+    pub rays_each_for_5_percent: u64,
     /// What brdf.bsdf holds of it.
     pub bsdf: BsdfFacts,
     /// What light from each direction came to.

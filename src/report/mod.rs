@@ -17,6 +17,7 @@ pub mod measure;
 pub mod verify;
 
 use serde::{Serialize, Serializer};
+use serde_json::Value;
 
 use crate::picture::Picture;
 
@@ -26,8 +27,24 @@ pub const PROGRAM: &str = concat!("facetmill ", env!("CARGO_PKG_VERSION"));
 /// A report as the text of `report.json`: indented, with a line end.
 pub fn text(report: &impl Serialize) -> String {
     // Only a map whose keys are no text can fail, and no report has one.
-    let value = serde_json::to_value(report).unwrap_or_default();
+    let mut value = serde_json::to_value(report).unwrap_or_default();
+    without_rounding(&mut value);
     format!("{value:#}\n")
+}
+
+/// Below this a figure of a report is what rounding left of nothing: shares, mm, degrees and seconds are all far above.
+const NOTHING: f64 = 1e-12;
+
+/// Takes figures that are only rounding for the 0 that they stand for; a recipe keeps what it was given.
+fn without_rounding(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.as_f64().is_some_and(|v| v != 0.0 && v.abs() < NOTHING) => *value = 0.0.into(),
+        Value::Array(values) => values.iter_mut().for_each(without_rounding),
+        Value::Object(values) => {
+            values.iter_mut().filter(|(key, _)| *key != "recipe").for_each(|(_, value)| without_rounding(value));
+        }
+        _ => {}
+    }
 }
 
 /// The picture that a highlight was drawn in.
@@ -92,5 +109,23 @@ impl<N: ToString> FromIterator<(N, f64)> for Named {
 impl Serialize for Named {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_report_never_holds_what_only_rounding_left() {
+        let report = serde_json::json!({
+            "blocked": -2.220446049250313e-16,
+            "designed": { "error": [1e-17, 0.25, -1e-9], "rays": 2_000_000 },
+            "recipe": { "min-feature": 1e-13 },
+        });
+        let told: Value = serde_json::from_str(&text(&report)).unwrap();
+        assert_eq!(told["blocked"], 0.0);
+        assert_eq!(told["designed"], serde_json::json!({ "error": [0.0, 0.25, -1e-9], "rays": 2_000_000 }));
+        assert_eq!(told["recipe"], report["recipe"]);
     }
 }

@@ -37,6 +37,9 @@ pub struct OnWallFacts {
     pub under_sun: Option<UnderSun>,
     /// Misplaced light of single cells at a blur of 0.5°.
     pub cells_tv: Option<CellsOnWall>,
+    /// What diffraction leaves of the picture, of a sheet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffraction: Option<DiffractionOnWall>,
     /// Share of the picture's light that the lamp's housing, 30 mm across or as large as the lamp, stops.
     pub stopped_by_lamp: f64,
     /// The light as designed.
@@ -53,6 +56,17 @@ pub struct UnderSun {
     pub wall_mm: f64,
     /// Misplaced light at a blur of 0.5°.
     pub tv: f64,
+}
+
+/// What diffraction by the smallest patches on which the light depends leaves of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DiffractionOnWall {
+    /// Width of such a patch, mm.
+    pub smallest_patch_mm: f64,
+    /// By how much it spreads light on the wall, mm at half brightness.
+    pub its_spread_mm: f64,
+    /// Likeness to the drawing at the eye's blur if all light were spread so: the truth lies between this and `ssim`.
+    pub ssim_eye_if_all_spread: f64,
 }
 
 /// Misplaced light of single cells.

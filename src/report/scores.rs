@@ -16,6 +16,8 @@ pub struct Scores {
     pub tv_incident: Named,
     /// Structural similarity.
     pub ssim: Named,
+    /// Share of the drawing's own contrast that the blur leaves.
+    pub contrast_kept: Named,
     /// Wasserstein distance, degrees.
     pub w1_deg: f64,
     /// Share of incident light that lands where the drawing is lit.
@@ -76,6 +78,7 @@ impl From<&Verdict> for Scores {
             tv_up: values(|s| s.tv_up),
             tv_incident: values(|s| s.tv_incident),
             ssim: values(|s| s.ssim),
+            contrast_kept: verdict.at_blur.iter().map(|scores| (scores.blur, scores.kept)).collect(),
             w1_deg: verdict.w1.value,
             efficiency: verdict.efficiency.value,
             multi_bounce: verdict.multi_bounce.value,

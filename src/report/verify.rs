@@ -43,6 +43,8 @@ pub struct VerifyReport {
     /// What was allowed, and what came of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_most: Option<Allowed>,
+    /// How the light came out, in a sentence.
+    pub verdict: String,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
 }

@@ -159,21 +159,19 @@ fn halved(grid: usize, most: usize) -> usize {
 }
 
 /// Nodes a side of a cell that suit a plate: fine enough for the picture and the cutter, and few enough for a file that
-/// can be handled.
-///
-/// `most_triangles` is for the whole plate.
-pub(crate) fn suitable_grid(cell: DVec2, cells: [usize; 2], cutter: Option<Cutter>, most_triangles: usize) -> usize {
+/// can be handled, which is where `fits` says yes; the least there are if it never does.
+pub(crate) fn suitable_grid(cell: DVec2, cutter: Option<Cutter>, fits: impl Fn(usize) -> bool) -> usize {
     /// Enough for a picture: at half as many, details of a quarter of a degree are grainy.
     const FOR_A_PICTURE: f64 = 400.0;
     // Transforms are fast where all factors are small, and grids are halved once or twice on the way.
-    const SIDES: [usize; 16] = [64, 80, 96, 128, 160, 200, 240, 256, 320, 360, 400, 480, 512, 640, 800, 1024];
-    let by_file = (most_triangles as f64 / (2 * cells[0] * cells[1]) as f64).sqrt();
+    const SIDES: [usize; 24] =
+        [16, 20, 24, 32, 40, 48, 56, 60, 64, 80, 96, 128, 160, 200, 240, 256, 320, 360, 400, 480, 512, 640, 800, 1024];
     // In a hollow as round as the cutter, slopes differ by the distance of nodes over its radius from one triangle to the
     // next: by 0.05, about as much as from one place of the tool to the next (0.04).
     let by_cutter = cutter.map_or(0.0, |cutter| cell.max_element() / (0.05 * cutter.valley_radius()));
     let wanted = by_cutter.clamp(FOR_A_PICTURE, 1024.0);
-    let fitting = SIDES.into_iter().filter(|&n| n as f64 <= by_file.max(64.0));
-    fitting.clone().find(|&n| n as f64 >= wanted).or(fitting.max()).unwrap_or(64)
+    let fitting = SIDES.into_iter().filter(|&n| fits(n));
+    fitting.clone().find(|&n| n as f64 >= wanted).or(fitting.max()).unwrap_or(SIDES[0])
 }
 
 #[cfg(test)]
@@ -240,12 +238,13 @@ mod tests {
 
     #[test]
     fn grids_suit_the_picture_the_cutter_and_the_file() {
-        let suitable =
-            |cutter: Option<f64>, most| suitable_grid(DVec2::splat(10.0), [3, 3], cutter.map(Cutter::ball), most);
+        // 18 triangles a node of nine cells.
+        let suitable = |cutter: Option<f64>, most: usize| {
+            suitable_grid(DVec2::splat(10.0), cutter.map(Cutter::ball), |n| 18 * n * n <= most)
+        };
         assert_eq!(suitable(None, 4_000_000), 400);
         assert_eq!([1.0, 0.5, 0.2].map(|ball| suitable(Some(ball), 40_000_000)), [400, 800, 1024]);
-        // 18 triangles a node of nine cells.
-        assert_eq!(suitable(None, 18 * 256 * 256), 256);
-        assert_eq!(suitable(None, 1000), 64);
+        assert_eq!([256, 100, 40].map(|n| suitable(None, 18 * n * n)), [256, 96, 40]);
+        assert_eq!(suitable(None, 1000), 16);
     }
 }

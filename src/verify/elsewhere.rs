@@ -139,7 +139,13 @@ impl<S: Surface> Over<'_, S> {
     /// Misplaced light at a blur of 0.5° in a scene, of what lies `within` two corners; `None` if nothing is lit, or
     /// abandoned.
     fn misplaced(&self, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Option<f64> {
-        let (facets, side) = (self.surface.facets(), self.wanted.width);
+        let image = self.image(scene, within)?;
+        Some(0.5 * (apart(scene, &image, self.wanted)? + 1.0 - image.sum()))
+    }
+
+    /// The light itself, as shares of what is lit.
+    fn image(&self, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Option<Raster> {
+        let (facets, side) = (self.surface.facets(), (MARGIN * SIDE as f64) as usize);
         let part = |part: usize| {
             let mut image = Raster::zeros(side, side);
             let mut incident = 0.0;
@@ -174,15 +180,31 @@ impl<S: Surface> Over<'_, S> {
         for (part, _) in &parts {
             image.values.iter_mut().zip(&part.values).for_each(|(sum, v)| *sum += v);
         }
-        if self.progress.is_abandoned() || !(incident > 0.0) {
-            return None;
-        }
-        let image = image.scaled(1.0 / incident);
-        let blur = scene.wall_distance() * WALL_BLURS[0].to_radians().tan();
-        let sigma = blur / (2.0 * scene.wall()?.half) * SIDE as f64;
-        let lost = 1.0 - image.sum();
-        Some(0.5 * (distance(&blurred(&image, sigma), &blurred(self.wanted, sigma)) + lost))
+        let lit = incident > 0.0 && !self.progress.is_abandoned();
+        lit.then(|| image.scaled(1.0 / incident))
     }
+}
+
+/// Sum of the differences of two images of a scene at a blur of 0.5°.
+fn apart(scene: &Scene, a: &Raster, b: &Raster) -> Option<f64> {
+    let blur = scene.wall_distance() * WALL_BLURS[0].to_radians().tan();
+    let sigma = blur / (2.0 * scene.wall()?.half) * SIDE as f64;
+    Some(distance(&blurred(a, sigma), &blurred(b, sigma)))
+}
+
+/// By how much light on the wall of `scene` changes from one surface to others of the same size, as total variation at a
+/// blur of 0.5°; `None` if one of them is not lit, or abandoned.
+pub fn change<'a, S: Surface>(
+    scene: &'a Scene,
+    from: &S,
+    progress: &'a Progress<'a>,
+) -> Option<impl Fn(&S) -> Option<f64> + use<'a, S>> {
+    let thrown = move |surface: &S| {
+        let nothing = Raster::zeros(1, 1);
+        Over { surface, origin: plate_origin(surface), wanted: &nothing, progress }.image(scene, None)
+    };
+    let before = thrown(from)?;
+    Some(move |surface: &S| Some(0.5 * apart(scene, &before, &thrown(surface)?)?))
 }
 
 #[cfg(test)]

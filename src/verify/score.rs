@@ -83,6 +83,17 @@ pub fn efficiency(image: &Raster, up: f64, target: &Raster, view: &View, blur: f
     landed * up
 }
 
+/// Share of the contrast of `image` that a blur of `blur` radians at the image centre leaves: the variance of its pixels
+/// after, over that before. 1: nothing is lost; 0: all is even. An even image has none to lose: 1.
+pub fn contrast_kept(image: &Raster, view: &View, blur: f64) -> f64 {
+    let variance = |raster: &Raster| {
+        let mean = raster.sum() / raster.values.len().max(1) as f64;
+        raster.values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
+    };
+    let before = variance(image);
+    if before > 0.0 { (variance(&blurred(image, view, blur)) / before).min(1.0) } else { 1.0 }
+}
+
 /// `image` seen through a Gaussian blur of `blur` radians at the image centre; light spread over the rim is lost.
 pub fn blurred(image: &Raster, view: &View, blur: f64) -> Raster {
     gaussian(image, blur_pixels(image, view, blur), 5.0, Edge::Dark)

@@ -71,6 +71,21 @@ impl WallVerdict {
     }
 }
 
+/// Likeness to the drawing at the eye's blur of light that something else spreads first, by a Gaussian of `spread` mm.
+pub fn likeness_once_spread(
+    thrown: &Thrown,
+    target: &Raster,
+    scene: &Scene,
+    eye_distance: f64,
+    spread: f64,
+) -> Option<f64> {
+    let (eye, pixel) = (eye_blur(eye_distance), 2.0 * scene.wall()?.half / ACROSS as f64);
+    let seen = cropped(&blurred(&thrown.whole.lit_image(), eye.hypot(spread) / pixel));
+    let light = seen.sum();
+    let wanted = cropped(&blurred(&widened(target), eye / pixel)).normalised();
+    (light > 0.0).then(|| structural_similarity(&seen.scaled(1.0 / light), &wanted))
+}
+
 /// The drawing in the middle of an image with a dark margin around it.
 pub fn widened(target: &Raster) -> Raster {
     let rim = (target.width as f64 * (MARGIN - 1.0) / 2.0).round() as usize;

@@ -71,6 +71,19 @@ pub fn likeness(
     Some(Likeness { cell: misplaced(&[[0, 0]], n)?, half_cell: misplaced(&places(relief, half, seed), half)? })
 }
 
+/// Misplaced light of one cell of `relief` by first bounces, seen through `blur` if there is one, against `target`: as
+/// [`likeness`] finds it for any window of one cell. `None` if no light falls on it.
+pub fn misplaced_by_a_cell(
+    relief: &PeriodicRelief,
+    setup: &Setup,
+    blur: Option<&BlurKernel>,
+    target: &Raster,
+) -> Option<f64> {
+    let sent = FirstBounce::new(relief, setup, (target.width, target.height)).window([0, 0], relief.nodes)?;
+    let image = blur.map_or_else(|| sent.clone(), |blur| seen(&sent, blur));
+    Some(misplaced(&image, &blurred(target, setup.view(), MAIN_BLUR.to_radians()), setup.view()))
+}
+
 /// Lower left corners of windows of `side` squares a side, spread over the cell.
 fn places(relief: &PeriodicRelief, side: usize, seed: u64) -> Vec<[usize; 2]> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);

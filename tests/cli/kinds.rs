@@ -11,8 +11,8 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     let folder = |name: &str| home.path().join(name);
     let told = run_line(home.path(), "design ring.png -o sheet --grid 32 --rays 20000");
     assert_done(&told);
-    assert!(told.stdout.contains("3 × 3 cells of a sheet"), "{}", told.stdout);
-    assert!(told.stdout.contains("Note: No cutter was named"), "{}", told.stdout);
+    assert!(told.told().contains("3 × 3 cells of a sheet"), "{}", told.stdout);
+    assert!(told.told().contains("Note: No cutter was named"), "{}", told.stdout);
     let report = json(folder("sheet/report.json"));
     assert!(report["design"]["surface"].as_str().unwrap().starts_with("sheet: nothing asked"), "{report}");
     assert_eq!(report["design"]["continuous"]["cells"], serde_json::json!([3, 3]));
@@ -21,7 +21,7 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     assert_same_plate(&folder("sheet"), &folder("again"), &[]);
     let flat = run_line(home.path(), "design --recipe sheet/recipe.toml -o flat --surface flat --facets 8x6");
     assert_done(&flat);
-    assert!(flat.stdout.contains("8 × 6 facets") && !flat.stdout.contains("cutter was named"), "{}", flat.stdout);
+    assert!(flat.told().contains("8 × 6 facets") && !flat.told().contains("cutter was named"), "{}", flat.stdout);
     assert_eq!(json(folder("flat/report.json"))["design"]["surface"], "facets: as --surface asks");
     assert_done(&run_line(home.path(), "design --recipe flat/recipe.toml -o flat2 --no-verify"));
     let line = "design --recipe flat/recipe.toml -o back --surface continuous --grid 32";
@@ -43,7 +43,7 @@ fn long_plates_have_cells_that_are_nearly_square() {
     for (size, cells) in [("30x9", "5 × 2"), ("2x30", "1 × 15"), ("100x20", "7 × 1")] {
         let told = run_line(home.path(), &format!("design ring.png --dry-run --size {size}"));
         assert_done(&told);
-        assert!(told.stdout.contains(cells), "{size}: {}", told.stdout);
+        assert!(told.told().contains(cells), "{size}: {}", told.stdout);
     }
     assert_done(&run_line(home.path(), "design ring.png -o long --size 30x9 --grid 32 --rays 20000"));
     let report = json(home.path().join("long/report.json"));
@@ -55,8 +55,8 @@ fn a_relief_that_is_worse_than_facets_is_not_praised() {
     let home = home();
     let told = run_line(home.path(), "design ring.png -o blunt --grid 32 --min-feature 5 --rays 50000");
     assert_done(&told);
-    assert!(told.stdout.contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
-    assert!(told.stdout.contains("lower --min-feature, raise --grid, or take --surface flat"), "{}", told.stdout);
+    assert!(told.told().contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
+    assert!(told.told().contains("lower --min-feature, raise --grid, or take --surface flat"), "{}", told.stdout);
     let report = json(home.path().join("blunt/report.json"));
     let [flat, sheet] =
         ["flat", "continuous"].map(|kind| report["beside_facets"]["tv_incident_1deg"][kind].as_f64().unwrap());
@@ -70,7 +70,7 @@ fn a_relief_that_is_worse_than_facets_is_not_praised() {
     let line = "design ring.png -o cut --grid 64 --for-cutter ball:1 --rays 50000";
     let told = run_line(home.path(), line);
     assert_done(&told);
-    assert!(!told.stdout.contains("would do better") && told.stdout.contains("milled alike"), "{}", told.stdout);
+    assert!(!told.told().contains("would do better") && told.told().contains("milled alike"), "{}", told.stdout);
     let beside = &json(home.path().join("cut/report.json"))["beside_facets"];
     assert_eq!(beside["tv_incident_1deg"]["flat"], facets["as_milled"]["tv_incident"]["1"]);
     assert_eq!(beside["as_milled"], true);

@@ -10,7 +10,9 @@ mod kinds;
 mod measure;
 mod milled;
 mod names;
+mod on_wall;
 mod publishing;
+mod reports;
 mod stopping;
 mod telling;
 

@@ -102,7 +102,7 @@ fn each_way_leaves_the_files_it_says_for_a_design_and_for_a_plain_stl() {
             assert_eq!(names(&folder), wanted, "{flags}");
             let title = format!("Wrote {plate}{k}/deep; look at ");
             assert!(done.stdout.starts_with(&title) && done.stdout.contains(" first\n"), "{}", done.stdout);
-            assert!(done.stdout.lines().all(|line| line.chars().count() < 140), "{}", done.stdout);
+            assert!(done.stdout.lines().all(|line| line.chars().count() <= 80), "{}", done.stdout);
             for name in files.iter().filter(|name| name.ends_with(".png")) {
                 let picture = image::open(folder.join(name)).unwrap().to_luma8();
                 let (low, high) = (picture.pixels().map(|p| p.0[0]).min(), picture.pixels().map(|p| p.0[0]).max());

@@ -10,9 +10,12 @@ fn facets_stay_as_they_are_and_the_proof_says_what_a_ball_makes_of_them() {
         format!("design ring.png -o {folder} --facets 12x12 --size 12x12 --arrange random --rays 20000 {flags}")
     };
     assert_done(&run_line(home.path(), &line("bare", "")));
-    let told = run_line(home.path(), &line("fine", "--for-cutter ball:0.2"));
+    let told = run_line(home.path(), &line("fine", "--for-cutter ball:0.2 --verbose"));
     assert_done(&told);
-    assert!(told.stdout.contains("misplaced as milled"), "{}", told.stdout);
+    assert!(told.told().contains("misplaced as milled"), "{}", told.stdout);
+    assert!(
+        told.stdout.starts_with("Cut by ball:0.2, ") && told.told().contains("at fine/comparison_milled.png first")
+    );
     assert_done(&run_line(home.path(), &line("blunt", "--for-cutter ball:1 --threads 1")));
     assert_done(&run_line(home.path(), &line("blunt2", "--for-cutter ball:1 --threads 2")));
     let folder = |name: &str| home.path().join(name);

@@ -27,8 +27,8 @@ fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     let line = "design ring.png --size 16x16 --for-cutter ball:5 --rays 50000";
     let told = run_line(home.path(), &format!("{line} -o open"));
     assert_done(&told);
-    assert!(told.stdout.contains("30 × 30 facets"), "{}", told.stdout);
-    assert!(told.stdout.contains("Note: Flat facets were made, since 30x30"), "{}", told.stdout);
+    assert!(told.told().contains("30 × 30 facets"), "{}", told.stdout);
+    assert!(told.told().contains("Note: Flat facets were made, since 30x30"), "{}", told.stdout);
     let report = json(home.path().join("open/report.json"));
     assert!(report["design"]["surface"].as_str().unwrap().starts_with("facets: they are better"), "{report}");
     let [flat, sheet] =
@@ -41,5 +41,5 @@ fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     // Who asks for the relief gets it.
     let told = run_line(home.path(), &format!("{line} -o asked --surface continuous --grid 64"));
     assert_done(&told);
-    assert!(told.stdout.contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
+    assert!(told.told().contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
 }

@@ -23,7 +23,7 @@ fn ring() -> Picture {
 fn small(grid: usize) -> Recipe {
     let mut recipe = Recipe::default();
     recipe.plate.size = [6.0, 6.0];
-    (recipe.plate.cells, recipe.plate.grid) = (Some(1), Some(grid));
+    (recipe.plate.cells, recipe.plate.grid) = (Some(1.into()), Some(grid));
     recipe.design.sheet.cutter = "ball:0.5".parse().ok();
     recipe.plate.facets = None;
     recipe.verify.rays = 20_000;

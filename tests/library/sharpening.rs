@@ -30,7 +30,7 @@ fn made(recipe: &Recipe) -> Design {
 
 /// TV(0.5°) that the proof finds, lost light counted.
 fn proved(recipe: &Recipe, design: &Design) -> f64 {
-    prove(recipe, &ring(), design, &Progress::silent()).unwrap().verdict.at_blur[0].tv_incident.value
+    prove(recipe, &ring(), design, &Progress::silent()).unwrap().verdict.at(0.5).tv_incident.value
 }
 
 /// The proof's TV(0.5°) without sharpening, with it, and what the design said of both.

@@ -14,7 +14,7 @@ use facetmill::verify::verdict::Verdict;
 fn scores(picture: &str, ball: Option<f64>) -> [f64; 2] {
     let mut recipe = Recipe::default();
     recipe.plate.surface = Some(SurfaceKind::Sheet);
-    recipe.plate.cells = Some(1);
+    recipe.plate.cells = Some(1.into());
     recipe.plate.size = [10.0, 10.0];
     recipe.plate.grid = Some(96);
     recipe.design.sheet.cutter = ball.map(Cutter::ball);
@@ -23,7 +23,7 @@ fn scores(picture: &str, ball: Option<f64>) -> [f64; 2] {
     let light = read(&path, &recipe.reading()).unwrap().light;
     let plate = design(&recipe, &light, &Progress::silent()).unwrap();
     let proof = prove(&recipe, &light, &plate, &Progress::silent()).unwrap();
-    let half = |verdict: &Verdict| [verdict.at_blur[0].tv_incident.value, 1.0 - verdict.at_blur[0].ssim.value];
+    let half = |verdict: &Verdict| [verdict.at(0.5).tv_incident.value, 1.0 - verdict.at(0.5).ssim.value];
     half(proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict))
 }
 

@@ -18,7 +18,18 @@ pub struct Outcome {
     /// Exit code; none after a signal.
     pub code: Option<i32>,
     pub stdout: String,
+    /// Without the lines that tell of stages.
     pub stderr: String,
+    /// The lines that tell of stages: those that begin with a blank.
+    pub stages: Vec<String>,
+}
+
+impl Outcome {
+    /// What a person was told, as if the terminal were endlessly wide.
+    #[allow(dead_code)]
+    pub fn told(&self) -> String {
+        self.stdout.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// The program, not started yet.
@@ -62,7 +73,10 @@ pub fn finish(mut child: Child) -> Outcome {
             None => std::thread::sleep(Duration::from_millis(3)),
         }
     };
-    Outcome { code: status.code(), stdout: stdout.join().unwrap(), stderr: stderr.join().unwrap() }
+    let all = stderr.join().unwrap();
+    let (stages, stderr): (Vec<&str>, Vec<&str>) = all.split_inclusive('\n').partition(|line| line.starts_with(' '));
+    let stages = stages.into_iter().map(|line| line.trim().to_owned()).collect();
+    Outcome { code: status.code(), stdout: stdout.join().unwrap(), stderr: stderr.concat(), stages }
 }
 
 /// An empty folder with `ring.png`, a ring of light of 48 x 48 pixels.

@@ -1,22 +1,19 @@
-//! What a person sees: progress, tables, errors.
+//! What a person sees: tables and errors.
 
-use std::fmt;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::time::{Duration, Instant};
 
 use facetmill::job::design::DesignError;
 use facetmill::picture::PictureError;
-use facetmill::progress::{Cancelled, Event};
+use facetmill::progress::Cancelled;
 use facetmill::report::text;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde::Serialize;
 use serde_json::json;
 
 use crate::args::RunningArgs;
 use crate::files::OutputError;
 use crate::tables::Row;
+use crate::wrapping::wrapped;
 
 /// Why the program ends without its result; each kind has an exit code of its own.
 #[derive(Debug, thiserror::Error)]
@@ -93,9 +90,12 @@ impl From<DesignError> for Failure {
 pub fn report_failure(failure: &Failure, to_json: bool) -> u8 {
     let code = failure.exit_code();
     let mut err = io::stderr();
-    // A progress line may stand there, and what a terminal echoes of Ctrl-C.
-    let clear = if err.is_terminal() { "\r\x1b[2K" } else { "" };
-    let _ = writeln!(err, "{clear}facetmill: {}", one_line(&failure.to_string()));
+    let said = one_line(&failure.to_string());
+    let _ = match err.is_terminal() {
+        // What a terminal echoes of Ctrl-C may stand there.
+        true => write!(err, "\r\x1b[2K{}", wrapped("facetmill: ", &said)),
+        false => writeln!(err, "facetmill: {said}"),
+    };
     // The report has been printed, and says the same.
     if to_json && !matches!(failure, Failure::Beyond(_)) {
         let _ = print_json(&json!({ "error": failure.to_string(), "exit_code": code }));
@@ -121,11 +121,14 @@ fn print_json(report: &impl Serialize) -> Result<(), OutputError> {
 }
 
 /// What a person is told at the end, in place of a report.
+#[derive(Default)]
 pub struct Table {
-    /// What was done.
+    /// What was done, or what came of it.
     pub title: String,
-    /// Its figures.
+    /// What matters most, in a few lines.
     pub rows: Vec<Row>,
+    /// All figures, for --verbose.
+    pub more: Vec<Row>,
     /// What there is to know besides.
     pub notes: Vec<String>,
 }
@@ -139,101 +142,38 @@ pub fn tell<R: Serialize>(
     match (running.json, running.quiet) {
         (true, _) => print_json(report),
         (false, true) => Ok(()),
-        (false, false) => print_table(&table(report)),
+        (false, false) => print_table(&table(report), running.verbose),
     }
 }
 
-fn print_table(Table { title, rows, notes }: &Table) -> Result<(), OutputError> {
-    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
-    let (first, second) = (width(0), width(1));
-    let mut text = one_line(title) + "\n";
-    for [name, value, meaning] in rows {
-        text += format!("  {name:first$}  {value:>second$}  {meaning}").trim_end();
-        text.push('\n');
+fn print_table(Table { title, rows, more, notes }: &Table, verbose: bool) -> Result<(), OutputError> {
+    let mut text = wrapped("", &one_line(title)) + &block(rows);
+    if verbose {
+        text += &block(more);
     }
     for note in notes {
-        text += &format!("  Note: {}\n", one_line(note));
+        text += &wrapped("  Note: ", &one_line(note));
     }
     print(&text)
 }
 
+/// Rows below each other, what each figure means wrapped beside it.
+fn block(rows: &[Row]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let (first, second) = (width(0), width(1));
+    let line = |[name, value, meaning]: &Row| {
+        let figure =
+            if second > 0 { format!("  {name:first$}  {value:>second$}  ") } else { format!("  {name:first$}  ") };
+        wrapped(&figure, &one_line(meaning))
+    };
+    rows.iter().map(line).collect()
+}
+
 /// To stdout. A reader that has gone away has read what it wanted.
-fn print(text: &str) -> Result<(), OutputError> {
+pub fn print(text: &str) -> Result<(), OutputError> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(OutputError::StandardOutput(error)),
         _ => Ok(()),
-    }
-}
-
-/// A progress line per stage on stderr, if somebody looks.
-pub struct Stages {
-    present: Mutex<Option<(ProgressBar, Instant)>>,
-    visible: bool,
-}
-
-impl Stages {
-    /// Hidden when `quiet` or when stderr is not a terminal.
-    pub fn new(quiet: bool) -> Self {
-        Self { present: Mutex::new(None), visible: !quiet && io::stderr().is_terminal() }
-    }
-
-    /// Takes an event of the library.
-    pub fn hear(&self, event: Event<'_>) {
-        if !self.visible {
-            return;
-        }
-        let Ok(mut present) = self.present.lock() else { return };
-        match event {
-            Event::Stage(stage, note) => {
-                close(&mut present);
-                let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-                if let Ok(style) = ProgressStyle::with_template("  {spinner} {msg:36} {bar:24} {percent:>3}%{left}") {
-                    bar.set_style(style.with_key("left", time_left));
-                }
-                let note = note.map(|note| format!(" ({note})")).unwrap_or_default();
-                bar.set_message(format!("{}{note}", stage.words()));
-                bar.enable_steady_tick(Duration::from_millis(100));
-                *present = Some((bar, Instant::now()));
-            }
-            Event::Fraction(done) => {
-                if let Some((bar, _)) = present.as_ref() {
-                    bar.set_position((1000.0 * done) as u64);
-                }
-            }
-            _ => {}
-        }
-    }
-
-    /// Ends the last stage's line.
-    pub fn finish(&self) {
-        if let Ok(mut present) = self.present.lock()
-            && present.is_some()
-        {
-            close(&mut present);
-            // The line was filled up to its end but not ended.
-            let _ = writeln!(io::stderr());
-        }
-    }
-}
-
-/// Writes how long the rest takes, once there is enough to tell it from: as long a share as so far.
-fn time_left(state: &ProgressState, out: &mut dyn fmt::Write) {
-    let (spent, done) = (state.elapsed().as_secs_f64(), f64::from(state.fraction()));
-    if spent > 2.0 && (0.02..1.0).contains(&done) {
-        let left = (spent * (1.0 - done) / done).ceil() as u64;
-        let _ = match left {
-            0..60 => write!(out, "  about {left} s left"),
-            _ => write!(out, "  about {} min left", left.div_ceil(60)),
-        };
-    }
-}
-
-fn close(present: &mut Option<(ProgressBar, Instant)>) {
-    if let Some((bar, since)) = present.take() {
-        if let Ok(style) = ProgressStyle::with_template("  {msg}") {
-            bar.set_style(style);
-        }
-        bar.finish_with_message(format!("{:38} {:6.2} s", bar.message(), since.elapsed().as_secs_f64()));
     }
 }

@@ -13,10 +13,11 @@ use facetmill::report::estimate::EstimateReport;
 use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
+use crate::stages::Stages;
 use crate::{inputs, tables};
 
 /// Does what `args` say.
@@ -32,7 +33,7 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         tell(&args.running, &report, |report| Table {
             title: "Dry run: nothing was designed or written".into(),
             rows: tables::estimate(&recipe, report),
-            notes: Vec::new(),
+            ..Table::default()
         })?;
         return Ok(());
     };
@@ -44,13 +45,9 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
-    let mut picture = picture::read(&path, &recipe.reading())?;
+    let picture = picture::read(&path, &recipe.reading())?;
     recipe.note_drawing(picture.original_size);
-    if recipe.picture.is_none() {
-        let note = "The picture's name is not Unicode, so recipe.toml is without it: name it beside --recipe.";
-        picture.notes.push(note.into());
-    }
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| {
         if matches!(event, Event::Stage(stage, _) if ![Stage::Sculpting, Stage::Room].contains(&stage)) {
             run.design_is_over();
@@ -75,13 +72,11 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     let made = made?;
     staged.publish()?;
     stages.finish();
-    tell(&args.running, &made.report(&picture), |report| {
-        let look = if report.designed.is_some() { "; look at comparison.png first" } else { "" };
-        Table {
-            title: format!("Wrote {}: plate.stl of {} triangles{look}", folder.display(), report.stl.triangles),
-            rows: tables::design(report),
-            notes: [&report.picture.notes[..], &report.advice[..]].concat(),
-        }
+    tell(&args.running, &made.report(&picture), |report| Table {
+        title: report.verdict.clone().unwrap_or_else(|| "Designed; no light was sent over it (--no-verify).".into()),
+        rows: tables::design_in_short(folder, report),
+        more: tables::design(report),
+        notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     Ok(())
 }
@@ -150,14 +145,10 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             "{flag} is for a sheet, and this plate is one of flat facets: leave it out, or take --surface continuous"
         )));
     }
-    let path = match (&args.picture, &recipe.picture, &args.recipe) {
-        (Some(path), _, _) => path.clone(),
-        (None, Some(name), _) if !name.is_empty() => PathBuf::from(name),
-        (None, _, Some(file)) => {
-            let name = file.display();
-            return Err(Failure::Input(format!("{name}: the recipe names no picture: give one on the command line")));
-        }
-        (None, _, None) => return Err(Failure::Usage("no picture was given: name one".into())),
+    let path = match (&args.picture, &args.recipe) {
+        (Some(path), _) => path.clone(),
+        (None, Some(file)) => inputs::picture_of(&recipe, file)?,
+        (None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
     };
     Ok((recipe, path))
 }

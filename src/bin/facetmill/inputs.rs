@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use facetmill::recipe::Recipe;
 use facetmill::scene::room::Room;
@@ -33,6 +33,26 @@ pub fn open(path: &Path) -> Result<File, Failure> {
         return Err(Failure::Input(format!("{name}: this is {found}, not a file; name a file")));
     }
     File::open(path).map_err(cannot)
+}
+
+/// The picture that the recipe in `file` names: beside that file, else in the working folder.
+pub fn picture_of(recipe: &Recipe, file: &Path) -> Result<PathBuf, Failure> {
+    let from = file.display();
+    let Some(named) = recipe.picture_path() else {
+        return Err(Failure::Input(format!("{from}: the recipe names no picture: give one on the command line")));
+    };
+    let beside = file.parent().unwrap_or(Path::new("")).join(&named);
+    if beside.exists() {
+        return Ok(beside);
+    }
+    if named.exists() {
+        return Ok(named);
+    }
+    let (name, folder) = (named.display(), beside.display());
+    let looked = if beside == named { "there is none".into() } else { format!("neither {folder} nor {name} is there") };
+    Err(Failure::Input(format!(
+        "{from}: the recipe names the picture {name}, but {looked}: give it on the command line"
+    )))
 }
 
 /// Reads a scene file.

@@ -1,13 +1,13 @@
 //! Signals: what Ctrl-C ends at once and what it brings to an end first, and files that grow too large.
 
-use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use facetmill::progress::CancelToken;
 
 use crate::console::{Failure, report_failure};
 use crate::files::Gate;
+use crate::stages::Stages;
 
 /// Beyond a limit on the size of files the system would end the program by a signal: caught, the write fails instead, and
 /// is told and cleared away like any other.
@@ -26,6 +26,8 @@ pub struct Run {
     pub gate: Arc<Gate>,
     /// What the next Ctrl-C means; locked while it must wait.
     state: Mutex<State>,
+    /// What a person sees of its work.
+    stages: OnceLock<Arc<Stages>>,
 }
 
 #[derive(Default)]
@@ -47,13 +49,25 @@ impl Run {
         let mut state = self.state();
         if std::mem::take(&mut state.keeps) {
             self.cancel.finish();
-            let mut err = io::stderr();
-            let clear = if err.is_terminal() { "\r\x1b[2K" } else { "" };
-            let _ = writeln!(err, "{clear}facetmill: finishing the best so far; Ctrl-C again stops at once");
+            let said = "facetmill: finishing the best so far; Ctrl-C again stops at once";
+            self.stages.get().map_or_else(|| Stages::default().say(said), |stages| stages.say(said));
             return;
         }
         let stopped = Failure::Stopped { snapshots: state.snapshots.clone() };
+        self.clear_progress();
         self.gate.abandon(|| std::process::exit(report_failure(&stopped, to_json).into()));
+    }
+
+    /// Takes what a person sees of the work, so that an interruption can clear it away.
+    pub fn shows(&self, stages: Stages) -> Arc<Stages> {
+        self.stages.get_or_init(|| Arc::new(stages)).clone()
+    }
+
+    /// Takes the progress off the terminal before something else is said there.
+    pub fn clear_progress(&self) {
+        if let Some(stages) = self.stages.get() {
+            stages.clear();
+        }
     }
 
     /// Does `work`, during which Ctrl-C waits, after a step of a design: from now on there is something to keep.

@@ -4,6 +4,8 @@
 
 mod files;
 
+mod wrapping;
+
 mod tables;
 
 mod values;
@@ -11,6 +13,8 @@ mod values;
 mod args;
 
 mod console;
+
+mod stages;
 
 mod inputs;
 
@@ -20,7 +24,11 @@ mod interrupt;
 
 mod snapshots;
 
+mod help;
+
 mod usage;
+
+mod manual;
 
 mod measure;
 
@@ -31,14 +39,16 @@ mod design;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::Parser;
+use clap::FromArgMatches;
 
-use args::{Cli, Command};
+use args::{Cli, Command, RunningArgs};
 use console::report_failure;
 use interrupt::Run;
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let all = std::env::args_os().any(|word| word == help::ALL);
+    let parsed = help::command(all).try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => return ExitCode::from(usage::answer(&error)),
     };
@@ -46,7 +56,14 @@ fn main() -> ExitCode {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
         Command::Measure(args) => &args.running,
+        Command::Completions { shell } => return manual::written(manual::completions(*shell)),
+        Command::Man => return manual::written(manual::page()),
     };
+    work(&cli.command, running)
+}
+
+/// Does what the command says.
+fn work(command: &Command, running: &RunningArgs) -> ExitCode {
     let to_json = running.json;
     let run = Arc::new(Run::default());
     let interrupted = run.clone();
@@ -57,13 +74,17 @@ fn main() -> ExitCode {
         // Fails only if a pool exists already, and none does yet.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     }
-    let done = match &cli.command {
+    let done = match command {
         Command::Design(args) => design::run(args, &run),
         Command::Verify(args) => verify::run(args, &run),
         Command::Measure(args) => measure::run(args, &run),
+        Command::Completions { .. } | Command::Man => Ok(()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => ExitCode::from(report_failure(&failure, to_json)),
+        Err(failure) => {
+            run.clear_progress();
+            ExitCode::from(report_failure(&failure, to_json))
+        }
     }
 }

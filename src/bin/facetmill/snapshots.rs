@@ -103,7 +103,8 @@ impl<'a> Snapshots<'a> {
         done
     }
 
-    /// The highlight of one cell by first bounces, blurred by lamp and metal, as bright as `simulated.png` will be.
+    /// The highlight of one cell by first bounces, blurred by lamp and metal, seen through the main
+    /// blur as in the lower row of `comparison.png`.
     fn picture(&self, distribution: &SlopeDistribution, at: &Checkpoint) -> image::GrayImage {
         let setup = &distribution.setup;
         let cell = self.recipe.sculpting().cell;
@@ -152,7 +153,7 @@ fn difference(theirs: &Recipe, ours: &Recipe) -> Option<String> {
     let plain = |recipe: &Recipe| {
         let mut recipe = recipe.clone();
         // The picture is told by its light, and rays only by the proof.
-        (recipe.picture, recipe.verify) = (None, Default::default());
+        (recipe.picture, recipe.picture_bytes, recipe.verify) = (None, None, Default::default());
         serde_json::to_value(recipe).unwrap_or_default()
     };
     first_difference("", &plain(theirs), &plain(ours))

@@ -1,5 +1,7 @@
 //! The tables that a person sees, made from the reports.
 
+use std::path::Path;
+
 use facetmill::job::pictures::rays;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
@@ -7,8 +9,9 @@ use facetmill::report::estimate::{EstimateReport, Parts};
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
+use facetmill::report::{MeshFacts, Named};
 use facetmill::sharpen::SCORED_AT;
-use facetmill::verify::verdict::MAIN_BLUR;
+use facetmill::verify::verdict::{BLURS, MAIN_BLUR};
 
 /// Name, value and meaning of a figure.
 pub type Row = [String; 3];
@@ -21,6 +24,91 @@ pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> 
 /// A share in percent with two decimals. What rounds to nothing is nothing, without a sign.
 pub fn percent(share: f64) -> String {
     format!("{:.2} %", (1e4 * share).round() / 100.0 + 0.0)
+}
+
+/// A design that was written into `folder`, in five lines.
+pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
+    let PlateFacts { mount, relief_height_mm, .. } = &report.design;
+    let [width, height] = report.recipe.plate.size;
+    let stock = report.stl.z_high_mm - report.stl.z_base_mm;
+    let mounted = match mount.theta > 0.0 {
+        true => format!("; mounted tilted by {:.2}° toward azimuth {:.1}°", mount.theta, mount.phi),
+        false => String::new(),
+    };
+    let made_of = report.made_of();
+    let mut rows = vec![
+        told("plate", format!("{width} × {height} mm of {made_of}, relief {relief_height_mm:.3} mm")),
+        told("stock", format!("{stock:.2} mm thick{mounted}")),
+    ];
+    let milled = report.as_milled.as_ref().map(|milled| &milled.scores);
+    rows.extend(milled.or(report.designed.as_ref()).map(light));
+    rows.push(told("file", file(folder, report)));
+    let picture = match (milled, &report.designed) {
+        (Some(_), _) => "comparison_milled.png",
+        (None, Some(_)) => "comparison.png",
+        (None, None) => "relief.png",
+    };
+    rows.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(picture)))));
+    rows
+}
+
+/// The plate's file and its size.
+fn file(folder: &Path, report: &DesignReport) -> String {
+    let (triangles, megabytes) = (report.stl.triangles, report.stl.bytes as f64 / 1e6);
+    let file = format!("{}, {triangles} triangles, {megabytes:.1} MB", shown(&folder.join("plate.stl")));
+    let Some(lighter) = &report.stl.lighter else { return file };
+    let flag = match report.recipe.plate.grid {
+        Some(_) => format!("--grid {}", lighter.grid),
+        None => format!("--max-triangles {}", lighter.triangles.next_multiple_of(10_000)),
+    };
+    let (smaller, light) = (lighter.bytes as f64 / 1e6, percent(lighter.tv_incident_1deg));
+    let now = percent(lighter.tv_incident_1deg_of_this);
+    format!("{file}: heavy for CAM; {flag} gives {smaller:.0} MB and about {light} misplaced in place of {now}")
+}
+
+/// How near the light is to the drawing.
+fn light(scores: &Scores) -> Row {
+    let sharp = BLURS[0].to_string();
+    let at = |figures: &Named, blur: &str| figures.get(blur).unwrap_or(f64::NAN);
+    let main = MAIN_BLUR.to_string();
+    let pair = |blur: &str| {
+        format!("{} misplaced, likeness {:.3}", percent(at(&scores.tv_incident, blur)), at(&scores.ssim, blur))
+    };
+    told("light", format!("{} at a blur of {main}°; {} at {sharp}°", pair(&main), pair(&sharp)))
+}
+
+/// A mesh that was scored against a picture, in a few lines; `folder` holds the pictures, if they are wanted.
+pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row> {
+    let MeshFacts { size_mm: [width, height, _], relief_height_mm, triangles, .. } = report.plate;
+    let scores = &report.measured;
+    let lost = format!(
+        "{} blocked, {} bounced more than once, {} past the picture",
+        percent(scores.blocked),
+        percent(scores.multi_bounce),
+        percent(scores.outside_image)
+    );
+    let scored = report.as_milled.as_ref().map_or(scores, |milled| &milled.scores);
+    let picture = if report.as_milled.is_some() { "comparison_milled.png" } else { "comparison.png" };
+    let look = match folder {
+        Some(folder) => format!("at {} first; --verbose tells more", shown(&folder.join(picture))),
+        None => "with -o DIR there are pictures; --verbose tells more".into(),
+    };
+    vec![
+        told("plate", format!("{width:.2} × {height:.2} mm of {triangles} triangles, relief {relief_height_mm:.3} mm")),
+        light(scored),
+        told("lost", lost),
+        told("look", look),
+    ]
+}
+
+/// A line without a figure of its own.
+fn told(name: &str, what: String) -> Row {
+    row(name, "", what)
+}
+
+/// A path, as it is told.
+fn shown(path: &Path) -> String {
+    path.display().to_string()
 }
 
 /// A design that was written.
@@ -60,7 +148,8 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
     }
     if let Some(near) = &report.design.near {
         let focus = format!("{:.0} mm", near.focus_mm);
-        table.push(row("focal length", focus, "of the bowl: 1/f = 1/lamp + 1/wall"));
+        let sag = report.on_wall.as_ref().map_or(String::new(), |wall| format!(", {:.3} mm deep", wall.sag_mm));
+        table.push(row("focal length", focus, format!("of the bowl{sag}: 1/f = 1/lamp + 1/wall")));
         let method = near.method.split(':').next().unwrap_or_default();
         table.push(row("lamp and wall", method, near.method.split_once(": ").map_or("", |(_, why)| why)));
     }
@@ -106,7 +195,7 @@ fn plate(report: &DesignReport) -> Vec<Row> {
         table.push(row("rim", format!("{} mm", rim.width_mm), meaning));
     }
     if let Some(worth) = &report.blur.sharpening {
-        let at = |figures: &facetmill::report::Named| figures.get(&SCORED_AT.to_string()).unwrap_or(f64::NAN);
+        let at = |figures: &Named| figures.get(&SCORED_AT.to_string()).unwrap_or(f64::NAN);
         let without = 100.0 * at(&worth.tv_without);
         let meaning = format!("misplaced by lamp and metal, seen at {SCORED_AT}°; {without:.2} % if not sharpened");
         table.push(row("blur (TV)", percent(at(&worth.tv_with)), meaning));
@@ -153,7 +242,6 @@ fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
     let mut table = vec![
         row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
         row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
-        row("focal length", format!("{:.0} mm", facts.focus_mm), format!("a bowl {:.3} mm deep", facts.sag_mm)),
     ];
     let mut scores = |name: &str, scores: &WallScores| {
         let eye = percent(figure(scores, "eye"));
@@ -184,6 +272,13 @@ fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
     if let Some(cells) = &facts.cells_tv {
         let meaning = format!("misplaced by the worst cell alone, {} on average", percent(cells.mean));
         table.push(row("one cell", percent(cells.largest), meaning));
+    }
+    if let Some(patch) = &facts.diffraction {
+        let meaning = format!(
+            "the smallest patches that count; they spread light over {:.1} mm: likeness {:.3} to that eye if all did",
+            patch.its_spread_mm, patch.ssim_eye_if_all_spread
+        );
+        table.push(row("diffraction", format!("{:.3} mm", patch.smallest_patch_mm), meaning));
     }
     if let Some(miss) = facts.mirror_miss_mm.filter(|miss| *miss > 1.0) {
         table.push(row(

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use facetmill::highlight::scored_target;
-use facetmill::job::exports;
 use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
+use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
 use facetmill::picture::{self, Picture};
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::raster::Raster;
@@ -25,10 +25,11 @@ use facetmill::verify::tally::Measurement;
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
 
 use crate::args::VerifyArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
+use crate::stages::Stages;
 use crate::tables::percent;
 use crate::values::Limit;
 use crate::{inputs, plates, tables};
@@ -45,20 +46,8 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let Named { stl, mut recipe, mount } = plates::named(&args.plate)?;
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
-    recipe.picture = Some(path.to_string_lossy().into_owned());
-    if let Some(file) = &args.scene {
-        recipe.scene.room = Some(inputs::room(file)?);
-    }
-    let mut recipe = args.settings.implied(recipe)?;
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
-    if recipe.is_near() && args.mount.is_some() {
-        return Err(Failure::Usage(
-            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
-        ));
-    }
+    recipe.name_picture(&path);
+    let mut recipe = in_its_scene(args, recipe)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -67,7 +56,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             Some(Staged::new(&Place::new(output, args.running.force, exports::VERIFY, &read), &run.gate)?)
         }
     };
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
@@ -85,7 +74,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let report = VerifyReport {
         program: PROGRAM,
         plate: opened.facts.clone(),
-        picture: PictureFacts::new(&picture, recipe.picture.clone()),
+        picture: PictureFacts::new(&picture, Some(path.to_string_lossy().into_owned())),
         highlight: recipe.highlight,
         light: recipe.light,
         lobe_deg: recipe.plate.lobe,
@@ -99,6 +88,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
             .as_ref()
             .map(|milled| MilledFacts { scores: (&milled.verdict).into(), left_by_cutter_um: 1000.0 * milled.left }),
         at_most: args.at_most.and_then(|limit| allowed(limit, &proof, &setup)),
+        verdict: one_sentence(args, &recipe, &proof),
         advice: advice(args, &recipe, &opened, &proof, (&picture, &setup)),
     };
     if let Some(staged) = &mut staged {
@@ -109,14 +99,35 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     }
     stages.finish();
     tell(&args.running, &report, |report| Table {
-        title: match &args.output {
-            Some(output) => format!("Wrote {}; look at comparison.png first", output.display()),
-            None => format!("Verified {}; with -o DIR there are pictures", plates::name(&args.plate)),
-        },
-        rows: tables::verify(report),
+        title: report.verdict.clone(),
+        rows: tables::verify_in_short(args.output.as_deref(), report),
+        more: tables::verify(report),
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
-    match report.at_most {
+    within_limit(report.at_most)
+}
+
+/// The recipe in the scene that the flags say, if lamp and plate can stand so.
+fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
+    if let Some(file) = &args.scene {
+        recipe.scene.room = Some(inputs::room(file)?);
+    }
+    let recipe = args.settings.implied(recipe)?;
+    recipe.check().map_err(|error| match error.is_impossible() {
+        true => Failure::Impossible(error.to_string()),
+        false => Failure::Usage(format!("--{error}")),
+    })?;
+    if recipe.is_near() && args.mount.is_some() {
+        return Err(Failure::Usage(
+            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
+        ));
+    }
+    Ok(recipe)
+}
+
+/// Whether no more light is misplaced than was allowed, if a limit was given.
+fn within_limit(allowed: Option<Allowed>) -> Result<(), Failure> {
+    match allowed {
         Some(allowed) if !allowed.kept => Err(Failure::Beyond(format!(
             "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
             percent(allowed.tv_incident),
@@ -140,14 +151,15 @@ fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
             "{name}: say with --against which picture its light is to be scored against"
         )));
     }
-    let Some(named) = &recipe.picture else {
+    let Some(named) = recipe.picture_path() else {
         return Err(Failure::Input(format!("{name}: its recipe names no picture: say with --against which it is")));
     };
-    let places = [args.plate.join(named), PathBuf::from(named), args.plate.join("..").join(named)];
+    let places = [args.plate.join(&named), named.clone(), args.plate.join("..").join(&named)];
     places.iter().find(|place| place.exists()).cloned().ok_or_else(|| {
         Failure::Input(format!(
-            "{name}: the picture {named} that its recipe names is neither in the folder nor beside it nor here: \
-             say with --against where it is"
+            "{name}: the picture {} that its recipe names is neither in the folder nor beside it nor here: \
+             say with --against where it is",
+            named.display()
         ))
     })
 }
@@ -211,7 +223,7 @@ fn proof(
     if let Some(scene) = recipe.scene().ok().flatten() {
         if !plate.is_dir() {
             // Nobody knows of a file where its cells end.
-            recipe.plate.cells = Some(1);
+            recipe.plate.cells = Some(1.into());
         }
         return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
     }
@@ -241,6 +253,16 @@ fn proof(
         }
     };
     Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall: None })
+}
+
+/// How the light came out: of the plate as it is cut, if that is known.
+fn one_sentence(args: &VerifyArgs, recipe: &Recipe, proof: &Proof) -> String {
+    let name = plates::name(&args.plate);
+    match (&proof.milled, recipe.design.sheet.cutter) {
+        (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("On {name} cut by {cutter}")),
+        (Some(milled), None) => in_a_sentence(&milled.verdict, &format!("On {name}, polished")),
+        (None, _) => in_a_sentence(&proof.verdict, &format!("On {name}")),
+    }
 }
 
 /// What is allowed, beside what came of it.
@@ -304,6 +326,7 @@ fn advice(
             100.0 * proof.verdict.backface
         ));
     }
+    advice.extend(finer_than_the_blur(&proof.verdict));
     let cuts = recipe.design.sheet.cutter.is_some() || recipe.design.sheet.polish.is_some();
     if args.plate.is_dir() && cuts && proof.milled.is_none() {
         advice.push("The plate in the folder is none of its recipe's: it was not milled again, only traced.".into());

@@ -141,6 +141,16 @@ impl Unit {
 }
 
 impl Setting {
+    /// The words that it takes, in a row, if it takes words.
+    pub fn words(&self) -> Option<String> {
+        match self.form {
+            Form::Words(_, words) | Form::Switches(words) => {
+                Some(words.iter().map(|word| word.word).collect::<Vec<_>>().join(", "))
+            }
+            _ => None,
+        }
+    }
+
     /// The setting of this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         SETTINGS.iter().find(|setting| setting.name == name)

@@ -197,9 +197,10 @@ pub(super) const GENERAL: &[Setting] = &[
         form: Text("K"),
         ranges: &[[1.0, MOST_FACETS as f64]],
         unset: "3; 1 with flat facets",
-        help: "Repeat the whole highlight in K x K cells",
+        help: "Repeat the whole highlight in K x K cells, or in 5x3",
         more: "One cell is a single dome, which seen from near by lights up in one place only. 3 x 3 cells of 10 mm each \
-               hold the whole highlight, so the plate looks the same all over. Numbers of facets must be divisible by K.",
+               hold the whole highlight, so the plate looks the same all over. 5x3 suits a plate of 50 x 30 mm. Numbers of \
+               facets must be divisible by those of cells.",
         at: |recipe| &mut recipe.plate.cells,
         ..COUNT
     },
@@ -267,7 +268,7 @@ pub(super) const GENERAL: &[Setting] = &[
         ranges: &[[1000.0, 2e8]],
         only: Some(SurfaceKind::Sheet),
         unset: "3000000",
-        help: "Triangles of a sheet at the most",
+        help: "Triangles of a sheet's file at the most; without --grid it is chosen so",
         remedy: "raise --max-triangles",
         at: |recipe| &mut recipe.plate.max_triangles,
         ..COUNT

@@ -134,7 +134,8 @@ fn nothing_given_is_written_as_it_always_was_and_0_is_read_as_nothing() {
     let sheet = recipe.design.sheet;
     assert_eq!((sheet.polish, sheet.min_feature, sheet.max_depth), (None, None, Some(2.0)));
     assert_eq!((sheet.cutter, recipe.design.seed), (Some(Cutter::ball(0.5)), 7));
-    let new = recipe.to_toml();
+    let new: String =
+        recipe.to_toml().lines().map(|line| line.split("  # ").next().unwrap().to_owned() + "\n").collect();
     assert!(new.contains("polish = 0.0\nmin-feature = 0.0\nmax-depth = 2.0\nseed = 7\n"), "{new}");
     let read = |name: &str, text: &str| {
         let mut recipe = Recipe::default();

@@ -15,11 +15,21 @@ use crate::picture::{Encoding, PictureFit};
 use crate::projection::Projection;
 use crate::scene::room::Room;
 
-use super::super::{Arrangement, BorderFinish, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
+use super::super::{Arrangement, BorderFinish, Cells, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
 
 /// A number with or without a fraction.
 pub fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| "write a number, such as 12.5".into())
+    text.trim().parse().map_err(|_| match with_unit(text) {
+        Some((number, unit)) => format!("leave out the unit '{unit}' and write {number}"),
+        None => "write a number, such as 12.5".into(),
+    })
+}
+
+/// A number and the letters after it, if it is that.
+fn with_unit(text: &str) -> Option<(&str, &str)> {
+    let (number, unit) = text.trim().split_at(text.trim().find(|c: char| c.is_alphabetic() || c == '°')?);
+    (number.trim_end().parse::<f64>().is_ok() && !unit.contains(|c: char| c.is_ascii_digit()))
+        .then_some((number.trim_end(), unit))
 }
 
 /// A whole number.
@@ -116,6 +126,24 @@ macro_rules! numbers {
 }
 
 numbers!(f64: number, u64: whole, usize: count);
+
+/// One number for both sides, or two with an x between them.
+impl Value for Cells {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        let cells = if text.contains('x') { pair(text, 'x', count)? } else { [count(text)?; 2] };
+        self.0 = cells;
+        Ok(())
+    }
+
+    fn written(&self) -> Option<String> {
+        let [x, y] = self.0;
+        Some(if x == y { x.to_string() } else { format!("{x}x{y}") })
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.0.iter().map(|value| *value as f64).collect()
+    }
+}
 
 impl Value for bool {
     fn read(&mut self, text: &str) -> Result<(), String> {

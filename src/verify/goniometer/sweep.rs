@@ -175,6 +175,23 @@ mod tests {
     }
 
     #[test]
+    fn the_noise_of_few_rays_is_told_apart_from_a_breach_of_reciprocity() {
+        let material: Material = "aluminium:ggx:0.4".parse().unwrap();
+        let axes = BrdfAxes::isotropic(vec![0.0, 0.4, 0.8, 1.2], 24, 12).unwrap();
+        let [few, many] = [2_000, 200_000].map(|rays| {
+            let measuring = Measuring { rays, ..Measuring::default() };
+            let panel = plate(&[(0.0, 0.0)]);
+            sweep(&panel, &material, axes.clone(), &measuring, &Progress::silent()).unwrap().table.laws()
+        });
+        // Of few rays nearly all of it is noise, and a hundred times as many have a tenth of the noise.
+        assert!(few.reciprocity_error > 0.1, "{few:?}");
+        let share = few.reciprocity_noise / few.reciprocity_error;
+        assert!((0.6..1.5).contains(&share), "{few:?}");
+        let ratio = few.reciprocity_noise / many.reciprocity_noise;
+        assert!((7.0..14.0).contains(&ratio), "{few:?} {many:?}");
+    }
+
+    #[test]
     fn light_is_neither_made_nor_lost_on_an_endless_mirror_panel() {
         let panel = plate(&[(0.3, 0.1), (-0.5, 0.0), (0.2, -0.6), (0.0, 0.4)]);
         let axes = BrdfAxes::anisotropic(vec![0.0, 0.7, 1.4], 4, 32, 16).unwrap();

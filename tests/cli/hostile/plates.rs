@@ -147,6 +147,6 @@ fn odd_plates_are_traced() {
         let args = ["verify", &file, "--against", "ring.png", "-o", name, "--rays", "1000"];
         let outcome = run(trials.home(), args);
         assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""), "{name}: {outcome:?}");
-        assert!(outcome.stdout.contains(note), "{name}: {}", outcome.stdout);
+        assert!(outcome.told().contains(note), "{name}: {}", outcome.stdout);
     }
 }

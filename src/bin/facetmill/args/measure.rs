@@ -17,7 +17,7 @@ const WHAT: &str = "What to measure, one of (default: the highlight of one lamp)
 
 /// What --rays means here.
 const RAYS: &str = "Rays sent over the plate  \
-    [default: 2000000; --brdf: 200000 for each light; --ndf: 200000 for each viewer; --look: 256 a pixel]";
+    [default: 2000000; --brdf: 200000 for each light; --ndf: 200000 for each viewer; --look: 256, which is for each pixel]";
 
 #[derive(Debug, Args)]
 #[command(group(ArgGroup::new("what").args(["brdf", "ndf", "wall", "look"])))]

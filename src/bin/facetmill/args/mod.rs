@@ -9,6 +9,7 @@ mod measure;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::values::{Limit, UnitArg, UpArg, threads};
 
@@ -22,7 +23,8 @@ use settings::{ByVerify, SettingFlags};
 #[command(after_help = "\
 First steps:
   facetmill design ring.png -o ring     then look at ring/comparison.png and mill ring/plate.stl
-  facetmill design --help               what each setting means, in millimetres and degrees
+  facetmill design --help               the flags that most people need
+  facetmill design --help-all           every flag, in millimetres and degrees, by groups
 
 Exit codes: 0 done, 1 worse than --at-most, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
 5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
@@ -78,6 +80,17 @@ Examples:
   facetmill measure ring -o ball --look --wrap sphere:40 --material aluminium:ggx:0.05 --light 30,90")]
     #[command(allow_negative_numbers = true)]
     Measure(Box<MeasureArgs>),
+    /// Print what a shell needs to complete this program's flags
+    #[command(
+        after_help = "Example: facetmill completions bash > ~/.local/share/bash-completion/completions/facetmill"
+    )]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Print the manual page
+    #[command(after_help = "Example: facetmill man > facetmill.1; man ./facetmill.1")]
+    Man,
 }
 
 #[derive(Debug, Args)]
@@ -148,4 +161,7 @@ pub struct RunningArgs {
     /// No progress and no table; errors are still told
     #[arg(long)]
     pub quiet: bool,
+    /// Tell every figure, not only the verdict and what matters most
+    #[arg(long, conflicts_with_all = ["quiet", "json"])]
+    pub verbose: bool,
 }

@@ -11,7 +11,7 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
-use facetmill::verify::goniometer::table::BrdfAxes;
+use facetmill::verify::goniometer::table::{BrdfAxes, Laws};
 
 use super::{Bench, Outcome};
 use crate::args::MeasureArgs;
@@ -82,7 +82,7 @@ pub fn measure(
         Err(error @ MerlError::Anisotropic { .. }) => notes.push(format!("No brdf.binary was written: {error}.")),
         Err(error) => return Err(Failure::Impossible(format!("brdf.binary: {error}"))),
     }
-    let heading = format!("BRDF of {}, {}", bench.name, bench.material);
+    let heading = format!("BRDF of {}, {}", bench.name, bench.made_of);
     let drawn = DRAWN.map(f64::to_radians);
     staged.write_png("slices.png", &polar_slices(table, &drawn, 0.0, RadialScale::Logarithmic, &heading))?;
     let azimuths: &[f64] = if table.axes().is_isotropic() { &[0.0] } else { &[0.0, 90.0] };
@@ -133,9 +133,22 @@ fn facts(swept: &Swept, rays: u64, bsdf: BsdfFacts) -> BrdfFacts {
         greatest_albedo: laws.greatest_albedo.0,
         greatest_albedo_error: laws.greatest_albedo.1,
         reciprocity_error: laws.reciprocity_error,
+        reciprocity_noise: laws.reciprocity_noise,
+        rays_each_for_5_percent: enough(&laws, rays),
         bsdf,
         directions: by_light,
     }
+}
+
+/// Noise of reciprocity that nobody minds.
+const QUIET: f64 = 0.05;
+
+/// About how many rays from each direction bring the noise of reciprocity to [`QUIET`], `rays` having been sent; two digits.
+fn enough(laws: &Laws, rays: u64) -> u64 {
+    // Noise falls with the square root of their number.
+    let wanted = rays as f64 * (laws.reciprocity_noise / QUIET).powi(2);
+    let step = 10f64.powf((wanted.max(10.0).log10()).floor() - 1.0);
+    ((wanted / step).ceil() * step) as u64
 }
 
 /// The same for a person.
@@ -150,7 +163,16 @@ fn rows(swept: &Swept, rays: u64) -> Vec<[String; 3]> {
         row(
             "reciprocity",
             percent(laws.reciprocity_error),
-            "mean difference when light and viewer change places: noise, and cells",
+            if laws.reciprocity_noise > QUIET {
+                format!(
+                    "mean difference when light and viewer change places; about {} of it is noise of few rays: \
+                     --rays {} makes that 5 %",
+                    percent(laws.reciprocity_noise.min(laws.reciprocity_error)),
+                    enough(&laws, rays)
+                )
+            } else {
+                "mean difference when light and viewer change places: noise, and cells".into()
+            },
         ),
     ]
 }

@@ -1,7 +1,7 @@
 //! The highlight image of one lamp, with all its digits and errors.
 
 use facetmill::export::float_tiff::write_float_tiff;
-use facetmill::export::pixels::{common_white, tone_mapped};
+use facetmill::export::rendered_view::{Exposure, highlight_page};
 use facetmill::job::pictures::rays;
 use facetmill::progress::{Progress, Stage};
 use facetmill::report::measure::{HighlightImageFacts, Measured};
@@ -63,7 +63,9 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     let whole = &measurement.whole;
     let image = whole.share_image();
     let noise = measurement.image_noise();
-    staged.write_png("highlight.png", &tone_mapped(&image, common_white(&image)))?;
+    let exposure =
+        Exposure { heading: format!("Highlight of {}, {}", bench.name, bench.made_of), ..Exposure::default() };
+    staged.write_png("highlight.png", &highlight_page(&image, bench.setup.view(), &exposure))?;
     staged.write("highlight.tiff", |out| write_float_tiff(&image, out))?;
     staged.write("highlight_error.tiff", |out| write_float_tiff(&measurement.pixel_errors(), out))?;
 
@@ -73,7 +75,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
         row(
             "plate",
             format!("{:.2} × {:.2} mm", bench.opened.size.x, bench.opened.size.y),
-            format!("of {}", bench.material),
+            format!("of {}", bench.made_of),
         ),
         row("rays", rays(whole.rays), "traced"),
         row(

@@ -22,11 +22,12 @@ use facetmill::trace::traced_plate::TracedPlate;
 use facetmill::verify::experiment::{Experiment, Measuring};
 
 use crate::args::MeasureArgs;
-use crate::console::{Failure, Stages, Table, tell};
+use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::inputs;
 use crate::interrupt::Run;
 use crate::plates::{self, Opened};
+use crate::stages::Stages;
 use crate::tables::Row;
 use crate::values::ExtentArg;
 
@@ -42,6 +43,8 @@ struct Bench {
     /// Lamp and wall of the design, if they are near and nothing else is asked for.
     scene: Option<Scene>,
     material: Material,
+    /// The material, as a caption says it.
+    made_of: String,
     lamp: Extent,
     measuring: Measuring,
 }
@@ -53,6 +56,9 @@ impl Bench {
         Experiment { surface, setup: &self.setup, material: self.material.clone(), lamp }
     }
 }
+
+/// Figures that are told without --verbose.
+const SHORT: usize = 5;
 
 /// What a measurement has to say, its files being written already.
 struct Outcome {
@@ -80,7 +86,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     }
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MEASURE, &read), &run.gate)?;
-    let stages = Stages::new(args.running.quiet);
+    let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
@@ -93,6 +99,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         plate,
         endless,
         name: plates::name(&args.plate),
+        made_of: made_of(args, &recipe),
         material: args.material.clone().unwrap_or_else(|| recipe.metal()),
         lamp: lamp(args, &recipe)?,
         opened,
@@ -100,17 +107,7 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
         setup,
         measuring,
     };
-    let outcome = if args.brdf {
-        brdf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.ndf {
-        ndf::measure(args, &bench, &mut staged, &progress)?
-    } else if args.wall.is_some() || bench.scene.is_some() {
-        wall::measure(args, &bench, &mut staged, &progress)?
-    } else if args.look {
-        render::measure(args, &bench, &mut staged, &progress)?
-    } else {
-        highlight::measure(&bench, &mut staged, &progress)?
-    };
+    let mut outcome = measured(args, &bench, &mut staged, &progress)?;
     let report = MeasureReport {
         program: PROGRAM,
         plate: bench.opened.facts.clone(),
@@ -130,12 +127,29 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     staged.write_bytes("report.json", text(&report).as_bytes())?;
     staged.publish()?;
     stages.finish();
+    let more = outcome.rows.split_off(outcome.rows.len().min(SHORT));
     tell(&args.running, &report, |report| Table {
         title: format!("Wrote {}; look at {} first", args.output.display(), outcome.look_at),
         rows: outcome.rows,
+        more,
         notes: report.advice.clone(),
     })?;
     Ok(())
+}
+
+/// Measures what the flags ask for.
+fn measured(args: &MeasureArgs, bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
+    if args.brdf {
+        brdf::measure(args, bench, staged, progress)
+    } else if args.ndf {
+        ndf::measure(args, bench, staged, progress)
+    } else if args.wall.is_some() || bench.scene.is_some() {
+        wall::measure(args, bench, staged, progress)
+    } else if args.look {
+        render::measure(args, bench, staged, progress)
+    } else {
+        highlight::measure(bench, staged, progress)
+    }
 }
 
 /// The flags laid over what the folder of a design says.
@@ -146,6 +160,15 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     args.settings.apply(&mut recipe);
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
+}
+
+/// What the plate is made of, in the words that were used for it.
+fn made_of(args: &MeasureArgs, recipe: &Recipe) -> String {
+    match (&args.material, recipe.plate.lobe) {
+        (Some(material), _) => material.to_string(),
+        (None, 0.0) => "mirror".into(),
+        (None, lobe) => format!("mirror, lobe {lobe}°"),
+    }
 }
 
 fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use facetmill::export::pixels::{common_white, tone_mapped};
+use facetmill::export::rendered_view::{Exposure, slopes_page};
 use facetmill::progress::{Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::report::measure::{Measured, NdfFacts};
@@ -57,7 +57,8 @@ pub fn measure(
     progress.stage(Stage::Files);
     let rim = RIM * normals.rms_slope[0].max(normals.rms_slope[1]).max(1e-6);
     let picture = slope_picture(&normals, bench.measuring.resolution, rim);
-    staged.write_png("ndf.png", &tone_mapped(&picture, common_white(&picture)))?;
+    let exposure = Exposure { heading: format!("Slopes of {}", bench.name), ..Exposure::default() };
+    staged.write_png("ndf.png", &slopes_page(&picture, rim, &exposure))?;
     staged.write("ndf.csv", |out| {
         writeln!(out, "# distribution of normals: area of surface per steradian and per area of plate; cell means")?;
         writeln!(out, "theta,phi,density")?;

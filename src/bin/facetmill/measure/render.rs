@@ -43,7 +43,7 @@ pub fn measure(
     progress.stage(Stage::View);
     let view = bench.plate.run(ViewTask { bench, settings, progress }).map_err(|error| refused(&error, bench))?;
     progress.stage(Stage::Files);
-    let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.material), ..Exposure::default() };
+    let exposure = Exposure { heading: format!("{}, {}", bench.name, bench.made_of), ..Exposure::default() };
     staged.write_png("look.png", &view_page(&view, &settings, &exposure))?;
     staged.write("look.tiff", |out| write_float_tiff(&view.radiance, out))?;
     staged.write("look_error.tiff", |out| write_float_tiff(&view.errors, out))?;
@@ -103,9 +103,12 @@ fn settings(args: &MeasureArgs, bench: &Bench) -> Result<ViewSettings, Failure> 
         Shape::Flat => 1.2 * (0.5 * bench.opened.size.truncate().length() / distance).atan(),
         Shape::Sphere { radius } | Shape::Cylinder { radius } => 1.15 * (radius / distance).min(1.0).asin(),
     };
-    let paths = args.rays().map_or(PATHS, |all| all / (side * side) as u64).max(1);
+    let pixels = (side * side) as u64;
+    // A number of at least as many rays as there are pixels has always been that of all of them together.
+    let each = |rays: u64| if rays >= pixels { rays / pixels } else { rays };
+    let paths = args.rays().map_or(PATHS, each);
     if paths > MOST_PATHS {
-        let most = MOST_PATHS * (side * side) as u64;
+        let most = MOST_PATHS * pixels;
         let all = args.rays().unwrap_or(0);
         return Err(Failure::Usage(format!("--rays is {all}: at most {most} serve --look at --resolution {side}")));
     }

@@ -17,7 +17,7 @@ use super::{Bench, Outcome};
 use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
-use crate::tables::{percent, row};
+use crate::tables::{Row, percent, row};
 
 struct WallTask<'a> {
     bench: &'a Bench,
@@ -71,7 +71,7 @@ pub fn measure(
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
     let exposure = Exposure {
         mirrored,
-        heading: format!("Light on a wall by {}, {}", bench.name, bench.material),
+        heading: format!("Light on a wall by {}, {}", bench.name, bench.made_of),
         ..Exposure::default()
     };
     staged.write_png("wall.png", &wall_page(&image, &settings, &exposure))?;
@@ -99,10 +99,21 @@ pub fn measure(
         image_noise_tv: image.measurement.image_noise(),
         rays: image.measurement.whole.rays,
     });
+    let rows = rows(wall_distance, &image);
+    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "wall.png" })
+}
+
+/// What a person is told of a wall `wall_distance` mm away.
+fn rows(wall_distance: f64, image: &WallImage) -> Vec<Row> {
+    let ([landed, beside, _], blur) = (image.shares(), image.blur);
     // What passes the wall's horizon is spread without end.
     let length = |mm: f64| if mm.is_finite() { format!("{mm:.1} mm") } else { "endless".into() };
-    let rows = vec![
-        row("wall", format!("{wall_distance} mm"), format!("away; the picture is {:.0} mm wide", 2.0 * half_width)),
+    vec![
+        row(
+            "wall",
+            format!("{wall_distance} mm"),
+            format!("away; the picture is {:.0} mm wide", 2.0 * image.half_width),
+        ),
         row("rays", rays(image.measurement.whole.rays), "traced"),
         row("lands", percent(landed.0), "of the light, in the picture"),
         row("beside it", percent(beside.0), "of the light lands on the wall beyond the picture"),
@@ -116,8 +127,7 @@ pub fn measure(
             length(blur.lamp.max_element()),
             "wide: the lamp's image, as through a pinhole; each point of the highlight is blurred by both",
         ),
-    ];
-    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "wall.png" })
+    ]
 }
 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.

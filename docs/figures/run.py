@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+"""Prints the figures that README.md and docs/method.md state, each from the command that it belongs to.
+
+    cargo build --release --locked
+    python3 docs/figures/run.py                # all of them: about ten CPU minutes
+    python3 docs/figures/run.py weyrich2009    # those of one group; --list names the groups
+
+Needs Python 3.9 and nothing else. FACETMILL names the program [target/release/facetmill]. Run before a release; a figure in
+the text that differs from what stands here is corrected there.
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("FACETMILL", str(ROOT / "target/release/facetmill"))
+PICTURES = ROOT / "examples/highlights"
+GROUPS = {}
+
+
+def group(function):
+    """A group of figures: its name is the function's, what it is its docstring."""
+    GROUPS[function.__name__.replace("_", "-")] = function
+    return function
+
+
+def report(picture, flags="", command="design"):
+    """The report of a design of an example picture."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [PROGRAM, command, str(PICTURES / f"{picture}.png"), "-o", f"{folder}/plate", "--json", *flags.split()]
+        run = subprocess.run(words, capture_output=True, text=True)
+        if run.returncode:
+            sys.exit(f"{' '.join(words)}\n{run.stderr}")
+        return json.loads(run.stdout)
+
+
+def tv(figures, blur="1"):
+    return figures["tv_incident"][blur]
+
+
+def seconds(said):
+    return said["design"]["seconds"]["total"]
+
+
+def megabytes(said):
+    return said["stl"]["bytes"] / 1e6
+
+
+def row(*cells):
+    print("  " + " | ".join(str(cell) for cell in cells))
+
+
+@group
+def first_example():
+    """README, "Two commands": what the first command prints."""
+    with tempfile.TemporaryDirectory() as folder:
+        picture = PICTURES / "portrait.png"
+        words = [PROGRAM, "design", str(picture), "-o", "portrait", "--for-cutter", "ball:0.5"]
+        subprocess.run(words, cwd=folder, check=True)
+
+
+@group
+def weyrich2009():
+    """README, "Against the 2009 method", and docs/method.md: spiral, half field 45 degrees, 30 x 30 facets."""
+    for name, flags in [
+        ("random order, Poisson heights", "--method weyrich2009 --arrange random"),
+        ("--method weyrich2009", "--method weyrich2009"),
+        ("--arrange anneal --level", "--arrange anneal --level"),
+        ("--arrange transport", "--arrange transport"),
+    ]:
+        said = report("spiral", f"--half-field 45 --facets 30x30 {flags}")
+        plate = said["design"]
+        row(
+            f"{name:30}",
+            f"A_v {plate['wall_area_ratio']:.4f}",
+            f"V {plate['valleys']}",
+            f"RMS step {plate['step_rms_pitch']:.4f} pitch",
+            f"bounced twice {100 * said['designed']['multi_bounce']:.2f} %",
+            f"{seconds(said):.2f} CPU s",
+        )
+
+
+@group
+def weyrich2009_seeds():
+    """README and docs/method.md: what annealing leaves of random order, seeds 1 to 8."""
+    left = []
+    for seed in range(1, 9):
+        same = f"--half-field 45 --facets 30x30 --no-verify --seed {seed} --method weyrich2009"
+        before, after = (report("spiral", same + more)["design"] for more in (" --arrange random", ""))
+        left.append([after[key] / before[key] for key in ("wall_area_ratio", "valleys")])
+    for name, shares in zip(("A_v", "V"), zip(*left)):
+        row(name, f"{min(shares):.2f} to {max(shares):.2f} of random order")
+
+
+@group
+def ring_gallery():
+    """README, "Gallery of facets": the ring in four arrangements."""
+    for flags in ["--arrange transport", "--cells 3", "--arrange anneal", "--arrange random"]:
+        said = report("ring", f"--surface facets --facets 30x30 {flags}")
+        plate = said["design"]
+        row(
+            f"{flags:20}",
+            f"steps {plate['step_rms_mm']:.2g} mm",
+            f"{plate['inner_valleys']} valleys",
+            f"relief {plate['relief_height_mm']:.2f} mm",
+            f"bounced twice {100 * said['designed']['multi_bounce']:.2f} %",
+        )
+
+
+@group
+def sizes_of_facets():
+    """README, --facets: portrait."""
+    for facets in ["15x15", "30x30", "60x60", "100x100"]:
+        said = report("portrait", f"--facets {facets}")
+        row(facets, f"TV(0.5) {tv(said['designed'], '0.5'):.3f}", f"{megabytes(said):.2g} MB", f"{seconds(said):.1f} CPU s")
+
+
+@group
+def samplings():
+    """README, --sample: portrait, 900 facets."""
+    for sample in ["voronoi", "sobol", "random"]:
+        row(sample, f"TV(1) {tv(report('portrait', f'--facets 30x30 --sample {sample}')['designed']):.4f}")
+
+
+@group
+def half_fields():
+    """README, --half-field: portrait."""
+    for degrees in [10, 20, 40]:
+        said = report("portrait", f"--half-field {degrees}")
+        row(degrees, f"relief {said['design']['relief_height_mm']:.2f} mm", f"TV(1) {tv(said['designed']):.4f}")
+
+
+@group
+def lights_and_lobes():
+    """README, --light, --light-radius, --lobe, --size, --cells, --level, --slope-cap: portrait."""
+    for flags in [
+        "--light 30,90",
+        "--light-radius 0.2665",
+        "--lobe 1 --surface facets",
+        "--size 100x100",
+        "--cells 1",
+        "--level",
+        "--slope-cap 5",
+    ]:
+        said = report("portrait", flags)
+        figures = said["designed"]
+        row(
+            f"{flags:26}",
+            f"relief {said['design']['relief_height_mm']:.2f} mm",
+            f"TV(0.5) {tv(figures, '0.5'):.4f}",
+            f"TV(1) {tv(figures):.4f}",
+            f"SSIM(1) {figures['ssim']['1']:.3f}",
+            f"mount {said['design']['mount_theta_deg']:.2f} deg, {said['design']['mount_phi_deg']:.1f} deg",
+            f"cut away {100 * said['highlight']['beyond_cap']:.1f} %",
+        )
+
+
+@group
+def grids():
+    """README, --grid: portrait, without a cutter and with a ball of 0.5 mm."""
+    for grid in [256, 400]:
+        plain, cut = (report("portrait", f"--grid {grid} {more}") for more in ("", "--for-cutter ball:0.5"))
+        row(
+            grid,
+            f"{megabytes(plain):.0f} MB",
+            f"{seconds(plain):.0f} and {seconds(cut):.0f} CPU s",
+            f"as milled TV(1) {tv(cut['as_milled']):.4f}",
+        )
+
+
+@group
+def cutters():
+    """README, --for-cutter: photograph, as milled."""
+    for ball in ["0.5", "1"]:
+        said = report("photograph", f"--for-cutter ball:{ball}")
+        milled = said["as_milled"]
+        row(
+            f"ball:{ball}",
+            f"TV(0.5) {tv(milled, '0.5'):.4f}",
+            f"SSIM(0.5) {milled['ssim']['0.5']:.3f}",
+            f"TV(1) {tv(milled):.4f}",
+            f"{seconds(said):.0f} CPU s",
+        )
+
+
+@group
+def rays():
+    """README, --rays: standard error of TV(1), 900 facets."""
+    for count in [200_000, 2_000_000, 20_000_000]:
+        error = report("portrait", f"--facets 30x30 --rays {count}")["designed"]["error"]
+        row(count, f"{tv(error):.6f}")
+
+
+@group
+def both_kinds():
+    """README, "One sheet or facets": both kinds at their defaults, as designed and cut by a ball of 0.5 mm."""
+    for picture in ["photograph", "portrait", "letter", "star", "spiral", "ring", "word"]:
+        said = report(picture, "--for-cutter ball:0.5")
+        bare = report(picture, "")
+        facets = [of["beside_facets"]["tv_incident_1deg"]["flat"] for of in (bare, said)]
+        row(
+            f"{picture:10}",
+            f"designed: facets {facets[0]:.4f}, sheet {tv(bare['designed']):.4f}",
+            f"cut: facets {facets[1]:.4f}, sheet {tv(said['as_milled']):.4f}",
+        )
+
+
+def main(names):
+    if names == ["--list"]:
+        for name, function in GROUPS.items():
+            row(f"{name:18}", function.__doc__)
+        return
+    unknown = [name for name in names if name not in GROUPS]
+    if unknown:
+        sys.exit(f"no group {unknown[0]}: --list names them")
+    for name in names or GROUPS:
+        print(f"{name}: {GROUPS[name].__doc__}", flush=True)
+        GROUPS[name]()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
