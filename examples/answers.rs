@@ -12,6 +12,7 @@ use std::time::Duration;
 use cpu_time::ThreadTime;
 use facetmill::job::Job;
 use facetmill::job::clock::on_own_threads;
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::read;
 use facetmill::progress::{CancelToken, Cancelled, Event, Progress, Stage};
 use facetmill::recipe::Recipe;
@@ -80,7 +81,7 @@ fn watched(recipe: &Recipe) -> Result<Gaps, Box<dyn Error>> {
         }
     };
     let progress = Progress::new(&listen, &token);
-    let job = Job { recipe, picture: &picture, proved: true };
+    let job = Job { recipe, picture: &picture, proved: true, memory: MemoryLimit::of_system(1) };
     let (done, _) = on_own_threads(Some(1), || {
         gaps.lock().unwrap_or_else(PoisonError::into_inner).last = ThreadTime::now().as_duration();
         let outcome = job.run(None, &mut |_, _| {}, &progress).map_err(|error| error.to_string())?;

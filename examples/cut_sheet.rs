@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use facetmill::job::clock::on_own_threads;
 use facetmill::job::{Job, Outcome};
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::read;
 use facetmill::progress::{CancelToken, Cancelled, Event, Listener, Progress, SheetSoFar};
 use facetmill::recipe::Recipe;
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let progress = Progress::new(&Printer, &token);
-    let job = Job { recipe: &recipe, picture: &picture, proved: true };
+    let job = Job { recipe: &recipe, picture: &picture, proved: true, memory: MemoryLimit::of_system(1) };
     std::fs::create_dir_all(&folder)?;
     let mut save = |name: &'static str, content: facetmill::job::Content| -> Result<(), Stopped> {
         let mut out = BufWriter::new(File::create(folder.join(name))?);

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use facetmill::job::clock::{Spent, on_own_threads};
 use facetmill::job::design::DesignError;
 use facetmill::job::{Job, Outcome};
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::{Picture, read};
 use facetmill::progress::{CancelToken, Event, Progress};
 use facetmill::recipe::Recipe;
@@ -22,7 +23,7 @@ fn work(
 ) -> Result<(Outcome, Spent), Box<dyn Error + Send + Sync>> {
     let listen = |_: Event<'_>| {};
     let progress = Progress::new(&listen, cancel);
-    let job = Job { recipe, picture, proved: true };
+    let job = Job { recipe, picture, proved: true, memory: MemoryLimit::of_system(1) };
     let (outcome, spent) = on_own_threads(Some(1), || job.run(None, &mut |_, _| {}, &progress))?;
     Ok((outcome.map_err(|error: DesignError| error.to_string())?, spent))
 }

@@ -54,7 +54,7 @@
 //! The modules stand in reading order, and each imports only from those above it.
 //!
 //! 1. **Ground.** [`progress`] lets a caller listen to long work and stop it; the library never prints. [`fence`] turns a
-//!    panic of a file's decoder into an error. [`fourier`] and [`descent`] are the two numerical tools that several
+//!    panic of a file's decoder into an error. [`memory`] refuses work that would take more than there is. [`fourier`] and [`descent`] are the two numerical tools that several
 //!    stages share.
 //! 2. **Geometry.** [`slope`] is the only home of signs: slope, normal, mirror. [`projection`] lays directions out on
 //!    the image plane. [`raster`] is a rectangle of numbers. [`lamp`] is where light comes from, far away or nearby, asked
@@ -159,6 +159,8 @@ pub use image;
 pub mod progress;
 
 pub mod fence;
+
+pub mod memory;
 
 pub mod fourier;
 

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
-use rayon::ThreadPoolBuildError;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use crate::progress::Stage;
 
@@ -14,24 +14,61 @@ pub struct Spent {
     pub wall: Duration,
     /// Of all its threads together.
     pub cpu: Duration,
+    /// Threads that it had.
+    pub threads: usize,
 }
 
 /// Stack of a worker, bytes: as much as a program's first thread has on most systems.
 const STACK: usize = 8 << 20;
 
-/// Does `work` on threads of its own, `threads` or one a core, which end with it; and says what it cost.
+/// The most threads that work is given, whatever is asked: more than any machine that this was tried on has cores.
+pub const MOST_THREADS: usize = 1024;
+
+/// Threads that work is given: as many as asked, else as `RAYON_NUM_THREADS` says, else one a core; from 1 to
+/// [`MOST_THREADS`].
+pub fn wanted_threads(asked: Option<usize>) -> usize {
+    let said = std::env::var("RAYON_NUM_THREADS").ok();
+    within_reason(asked, said.as_deref(), || std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// The same, by what the environment says and what the machine has.
+fn within_reason(asked: Option<usize>, said: Option<&str>, cores: impl Fn() -> usize) -> usize {
+    // A number beyond all counting is as good as none, and 0 has always meant one a core.
+    let said = || said?.trim().parse().ok().filter(|n| *n > 0);
+    asked.filter(|n| *n > 0).or_else(said).unwrap_or_else(cores).clamp(1, MOST_THREADS)
+}
+
+/// Does `work` on threads of its own, [as many as wanted](wanted_threads), which end with it; and says what it cost.
+///
+/// Where the system does not let so many start, work is done on half of them, and so on; results do not depend on it.
+///
+/// # Errors
+/// Not even one can be had.
 pub fn on_own_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<(T, Spent), ThreadPoolBuildError> {
     let begun = Instant::now();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK).build()?;
+    let pool = pool(wanted_threads(threads))?;
     let done = pool.install(|| {
         let from = cpu();
         let done = work();
         (done, cpu().saturating_sub(from))
     });
-    Ok((done.0, Spent { wall: begun.elapsed(), cpu: done.1 }))
+    Ok((done.0, Spent { wall: begun.elapsed(), cpu: done.1, threads: pool.current_num_threads() }))
+}
+
+/// A pool of `wanted` threads, or of as many as can be started.
+fn pool(wanted: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let mut threads = wanted;
+    loop {
+        match ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build() {
+            Err(_) if threads > 1 => threads /= 2,
+            // Not one more: the thread that is here does the work.
+            Err(_) => return ThreadPoolBuilder::new().num_threads(1).use_current_thread().build(),
+            pool => return pool,
+        }
+    }
 }
 
 /// CPU time, so far, of this thread and of all workers of its pool.
@@ -78,6 +115,27 @@ mod tests {
         while from.elapsed() < time {
             x = std::hint::black_box(x.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 1);
         }
+    }
+
+    #[test]
+    fn threads_are_as_many_as_asked_said_or_there_within_reason() {
+        for (asked, said, threads) in [
+            (Some(3), Some("5"), 3),
+            (None, Some(" 5 "), 5),
+            (None, Some("0"), 2),
+            (None, Some("99999999999999999999999"), 2),
+            (None, Some("-1"), 2),
+            (None, Some("4000000000"), MOST_THREADS),
+            (Some(usize::MAX), None, MOST_THREADS),
+            (Some(0), None, 2),
+            (None, None, 2),
+        ] {
+            assert_eq!(within_reason(asked, said, || 2), threads, "{asked:?} {said:?}");
+        }
+        assert_eq!(
+            on_own_threads(Some(3), rayon::current_num_threads).map(|(n, spent)| (n, spent.threads)).ok(),
+            Some((3, 3))
+        );
     }
 
     #[test]

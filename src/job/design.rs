@@ -12,6 +12,7 @@ use crate::facets::heights::{least_squares, weyrich2009};
 use crate::facets::sample::sample;
 use crate::facets::steps::{Steps, steps};
 use crate::highlight::Highlight;
+use crate::memory::TooMuchMemory;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
@@ -334,6 +335,9 @@ pub enum DesignError {
         /// What was allowed, mm.
         most: f64,
     },
+    /// It would take more memory than it may.
+    #[error(transparent)]
+    Memory(#[from] TooMuchMemory),
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -22,6 +22,8 @@ pub mod proof;
 
 pub mod compare;
 
+pub mod memory;
+
 pub mod estimate;
 
 mod wall_pictures;
@@ -41,6 +43,7 @@ pub mod exports;
 pub use product::{Content, Product, png};
 pub use sentences::{finer_than_the_blur, in_a_sentence};
 
+use crate::memory::MemoryLimit;
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};
 use crate::recipe::Recipe;
@@ -58,6 +61,8 @@ pub struct Job<'a> {
     pub picture: &'a Picture,
     /// Whether light is sent over what comes of it; without that nothing is compared either.
     pub proved: bool,
+    /// The most memory that it may take: one that needs more is refused before any work, and no result hangs on it.
+    pub memory: MemoryLimit,
 }
 
 /// How a job ends that meets no error.
@@ -108,6 +113,8 @@ impl Job<'_> {
         progress: &Progress,
     ) -> Result<Product, DesignError> {
         let light = &self.picture.light;
+        self.recipe.check()?;
+        self.memory.admit(memory::need(self.recipe, light.width, self.proved))?;
         let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
         let recipe = self.recipe.clone();
         if !self.proved {

@@ -55,9 +55,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use image::ImageReader;
 use serde::{Deserialize, Serialize};
 
 use self::pixels::{Pixels, Samples, check_size};
+use crate::fence::fenced;
+use crate::memory::Need;
 use crate::raster::Raster;
 
 /// The longest side of a picture that is read, pixels; the square it is fitted to is no larger.
@@ -164,6 +167,30 @@ fn read_from(file: &mut impl Read, name: &str, reading: &Reading) -> Result<Pict
     }
     from_bytes(&bytes, name, reading)
 }
+
+/// What it takes of memory to read the picture at `path`, if its header tells a size that pictures may have.
+pub fn need(path: &Path) -> Option<Need> {
+    // Not even to look at: a pipe nobody writes to would wait for ever.
+    if !path.is_file() {
+        return None;
+    }
+    let size = || ImageReader::open(path).ok()?.with_guessed_format().ok()?.into_dimensions().ok();
+    let (width, height) = fenced(size).ok()??;
+    let longer = width.max(height) as usize;
+    let pixels = f64::from(width) * f64::from(height);
+    // As decoded, as light, and on the square that it is laid on, where it may be turned.
+    let bytes = DECODED_PIXEL * pixels + SQUARE_PIXEL * (longer as f64).powi(2);
+    (longer <= MAX_SIDE).then(|| Need::new(GROUND + bytes, "reading the picture", "make the picture smaller"))
+}
+
+/// Bytes a pixel of a file that is read, at the most: two pictures of the decoder's, or one and its light.
+const DECODED_PIXEL: f64 = 24.0;
+
+/// Bytes a pixel of the square that light is laid on: itself, and as it was before it was turned.
+const SQUARE_PIXEL: f64 = 16.0;
+
+/// Bytes of the program itself.
+const GROUND: f64 = 2e7;
 
 /// Reads a picture from the bytes of a file; `name` stands in the messages.
 ///

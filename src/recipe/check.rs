@@ -3,7 +3,8 @@
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
 use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
-use crate::sculpt::milled_facets::least_diameter;
+use crate::sculpt::milled_facets::{Places, least_diameter};
+use crate::sculpt::tool::Tool;
 
 impl Recipe {
     /// Refuses settings that make no sense, naming the first one.
@@ -46,12 +47,13 @@ impl Recipe {
         if pitch.max_element() > 20.0 * pitch.min_element() {
             return Err(RecipeError::Slivers { across: pitch.x, up: pitch.y });
         }
-        // Rounded up, so that what the message names will do.
-        let least = (1e3 * least_diameter(self.plate.size[0] * self.plate.size[1])).ceil() / 1e3;
-        match self.design.sheet.cutter.filter(|cutter| cutter.diameter() < least) {
-            Some(cutter) => Err(RecipeError::CutterTooFine { diameter: cutter.diameter(), least }),
-            None => Ok(()),
+        let Some(cutter) = self.design.sheet.cutter else { return Ok(()) };
+        not_too_fine(cutter, least_diameter(self.plate.size[0] * self.plate.size[1]))?;
+        if Places::new(self.plate.size, [columns, rows], cutter).are_too_many() {
+            let diameter = cutter.diameter();
+            return Err(RecipeError::CutterTooWide { diameter, pitch: pitch.min_element() });
         }
+        Ok(())
     }
 
     fn check_sheet(&self) -> Result<(), RecipeError> {
@@ -71,12 +73,23 @@ impl Recipe {
         if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.diameter() > cell.min_element()) {
             return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter(), cell: cell.min_element() });
         }
+        if let Some(cutter) = self.design.sheet.cutter {
+            not_too_fine(cutter, Tool::least_diameter(cell, grid))?;
+        }
         let cell = cell.min_element();
         match self.design.sheet.polish.filter(|polish| *polish >= 0.25 * cell) {
             Some(polish) => Err(RecipeError::PolishBeyondCell { polish, cell }),
             None => Ok(()),
         }
     }
+}
+
+/// Refuses a cutter smaller than `least` mm.
+fn not_too_fine(cutter: Cutter, least: f64) -> Result<(), RecipeError> {
+    // Rounded up, so that what the message names will do.
+    let least = (1e3 * least).ceil() / 1e3;
+    let diameter = cutter.diameter();
+    if diameter < least { Err(RecipeError::CutterTooFine { diameter, least }) } else { Ok(()) }
 }
 
 /// Why a recipe cannot be followed.
@@ -183,7 +196,7 @@ pub enum RecipeError {
         /// Shorter side of a cell, mm.
         cell: f64,
     },
-    /// A ball too small to follow over a plate of facets.
+    /// A ball too small to follow over a plate.
     #[error(
         "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
     )]
@@ -192,6 +205,16 @@ pub enum RecipeError {
         diameter: f64,
         /// The smallest that can be, mm.
         least: f64,
+    },
+    /// A ball that takes thousands of facets to pass over.
+    #[error(
+        "a ball of {diameter} mm is too wide to be followed over facets of {pitch:.4} mm: take a smaller cutter in --for-cutter or fewer --facets"
+    )]
+    CutterTooWide {
+        /// Diameter of the ball, mm.
+        diameter: f64,
+        /// Shorter side of a facet, mm.
+        pitch: f64,
     },
     /// Polish that leaves nothing.
     #[error(
@@ -289,6 +312,11 @@ mod tests {
         assert!(flat(|r| r.plate.facets = Some([2, 300])).is_impossible());
         let error = flat(|r| r.design.sheet.cutter = Some(Cutter::ball(0.07)));
         assert!(error.to_string().contains("0.075 mm or more"), "{error}");
+        let wide = flat(|r| {
+            (r.plate.facets, r.plate.size) = (Some([2000, 2000]), [1.0, 1.0]);
+            r.design.sheet.cutter = Some(Cutter::ball(100.0));
+        });
+        assert!(wide.is_impossible() && matches!(wide, RecipeError::CutterTooWide { .. }), "{wide}");
         assert_eq!(named(refused(|r| r.plate.grid = Some(2))), "grid");
         assert_eq!(named(refused(|r| r.design.sheet.min_feature = Some(-1.0))), "min-feature");
         assert_eq!(named(refused(|r| r.design.sheet.polish = Some(f64::NAN))), "polish");
@@ -312,6 +340,27 @@ mod tests {
         assert!(error.to_string().contains("5x4 cells: take --facets 30x32"), "{error}");
         assert!(continuous(|r| r.design.sheet.cutter = Some(Cutter::ball(20.0))).is_impossible());
         assert!(continuous(|r| r.design.sheet.polish = Some(2.5)).is_impossible());
+    }
+
+    #[test]
+    fn the_smallest_ball_that_is_named_will_do() {
+        let with = |ball, change: fn(&mut Recipe)| {
+            let mut recipe = Recipe::default();
+            recipe.plate.surface = Some(SurfaceKind::Sheet);
+            recipe.design.sheet.cutter = Some(Cutter::ball(ball));
+            change(&mut recipe);
+            recipe.check()
+        };
+        for (ball, change) in [
+            (0.001, (|_| {}) as fn(&mut Recipe)),
+            (0.01, |r| r.plate.size = [100.0, 100.0]),
+            (0.1, |r| (r.plate.size, r.plate.grid, r.plate.cells) = ([100.0, 100.0], Some(16), Some(1.into()))),
+        ] {
+            let refused = with(ball, change).unwrap_err();
+            let RecipeError::CutterTooFine { least, .. } = refused else { panic!("{refused}") };
+            assert!(refused.is_impossible() && with(least, change).is_ok(), "{refused}");
+            assert!(with(0.99 * least - 0.001, change).is_err());
+        }
     }
 
     #[test]

@@ -24,6 +24,8 @@ pub struct EstimateReport {
     pub verify_cpu_seconds_about: f64,
     /// CPU seconds of the files.
     pub files_cpu_seconds_about: f64,
+    /// Bytes of memory at once, at the most.
+    pub memory_bytes_about: u64,
     /// Light that no relief keeps from straying, with its cutter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_stray_share: Option<f64>,

@@ -46,16 +46,10 @@ pub(crate) fn least_diameter(area: f64) -> f64 {
 pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress) -> MilledFacets {
     let (columns, rows) = &relief.optical;
     let (low, high) = relief.optical_area();
-    // A whole number of places a facet, so that edges lie on places.
-    let facets = [columns.len(), rows.len()].map(|n| n as f64);
-    let wanted = cutter.diameter() / PLACES_ACROSS_CUTTER;
-    let pitch = [(high.x - low.x) / facets[0], (high.y - low.y) / facets[1]];
-    let each = pitch.map(|pitch| (pitch / wanted).ceil());
-    let many = facets[0] * each[0] * facets[1] * each[1];
-    let each = if many <= MOST { each } else { each.map(|n| (n * (MOST / many).sqrt()).floor().max(1.0)) };
-    let x = Axis::new(&relief.x, low.x, pitch[0] / each[0], (facets[0] * each[0]) as usize, cutter);
-    let y = Axis::new(&relief.y, low.y, pitch[1] / each[1], (facets[1] * each[1]) as usize, cutter);
-
+    let facets = [columns.len(), rows.len()];
+    let Places { intervals, step, .. } = Places::new((high - low).to_array(), facets, cutter);
+    let x = Axis::new(&relief.x, low.x, step[0], intervals[0], cutter);
+    let y = Axis::new(&relief.y, low.y, step[1], intervals[1], cutter);
     let width = x.pieces.len();
     let mut z = vec![f32::NEG_INFINITY; width * y.pieces.len()];
     z.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, row)| {
@@ -71,6 +65,51 @@ pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress
     let most_left = cut.iter().zip(&written).map(|(a, b)| a - b).fold(0.0, f32::max).into();
     let heights = cut.into_iter().map(f64::from).collect();
     MilledFacets { surface: HeightGrid::new(x.lines(), y.lines(), heights), most_left }
+}
+
+/// How finely a cutter is followed over a plate of facets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Places {
+    /// Distance of places along x and y, mm.
+    step: [f64; 2],
+    /// Intervals over the optical area.
+    intervals: [usize; 2],
+    /// Places to either side of the axis that the cutter reaches.
+    reach: [usize; 2],
+}
+
+impl Places {
+    /// For `cutter` over an optical area of `size` mm that `facets` along x and y share.
+    pub(crate) fn new(size: [f64; 2], facets: [usize; 2], cutter: Cutter) -> Self {
+        // A whole number of places a facet, so that edges lie on places.
+        let facets = facets.map(|n| n as f64);
+        let wanted = cutter.diameter() / PLACES_ACROSS_CUTTER;
+        let pitch = [size[0] / facets[0], size[1] / facets[1]];
+        let each = pitch.map(|pitch| (pitch / wanted).ceil());
+        let many = facets[0] * each[0] * facets[1] * each[1];
+        let each = if many <= MOST { each } else { each.map(|n| (n * (MOST / many).sqrt()).floor().max(1.0)) };
+        let step = [pitch[0] / each[0], pitch[1] / each[1]];
+        let intervals = [0, 1].map(|axis| (facets[axis] * each[axis]) as usize);
+        Self { step, intervals, reach: step.map(|step| reach(cutter, step)) }
+    }
+
+    /// All places, those beside the plate too.
+    pub(crate) fn all(&self) -> f64 {
+        let [x, y] = [0, 1].map(|axis| (self.intervals[axis] + 4 * self.reach[axis] + 1) as f64);
+        x * y
+    }
+
+    /// Whether they cannot be swept in some seconds, or not in a gigabyte or two: a cutter that is wide for its facets has
+    /// far to go beside the plate, and touches thousands of places at once.
+    pub(crate) fn are_too_many(&self) -> bool {
+        let sweeps = 2.0 * self.all() * self.reach.map(|reach| (2 * reach + 1) as f64).iter().sum::<f64>();
+        self.all() > 4.0 * MOST || sweeps > 4e10
+    }
+}
+
+/// Places that `cutter` reaches to either side, where they are `step` mm apart.
+fn reach(cutter: Cutter, step: f64) -> usize {
+    (cutter.reach() / step * (1.0 + 1e-12)) as usize
 }
 
 /// Places along one side of the plate: over the optical area, and twice the cutter's reach beyond it.
@@ -89,7 +128,7 @@ struct Axis {
 
 impl Axis {
     fn new(lines: &[f64], low: f64, step: f64, intervals: usize, cutter: Cutter) -> Self {
-        let reach = (cutter.reach() / step * (1.0 + 1e-12)) as isize;
+        let reach = reach(cutter, step) as isize;
         let profile = (-reach..=reach).map(|aside| (aside, -cutter.underside(aside as f64 * step) as f32)).collect();
         let margin = 2 * reach as usize;
         let touched = |k: usize| {

@@ -281,7 +281,7 @@ impl<'a> Work<'a> {
             let tool = Tool::new(cell, cutter);
             // In a valley that runs along neither axis nor diagonal, the lowest points lie between the tool's places; a node
             // raised for them may be too high for the tool on its grid, and so on.
-            let finer = Tool::without_steps(&relief, cutter);
+            let finer = Tool::without_steps(cell, grid, cutter);
             for _ in 0..FILLINGS {
                 if self.progress.is_abandoned() {
                     break;

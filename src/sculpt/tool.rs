@@ -30,9 +30,15 @@ const MOST: usize = 2000;
 /// of the grid, SSIM at 0.5° was 0.895, 0.931 and 0.974 with 50, 100 and 400 places), so that this is a cautious choice.
 pub(super) const PLACES_ACROSS_CUTTER: f64 = 50.0;
 
+/// Places along a side of a cell without steps at the most: 268 million of them take 1 GB a copy, and seconds to sweep.
+const MOST_FINE: usize = 1 << 14;
+
 /// Height of the ridge left between two places of the tool without steps, mm: a twentieth of the clearance that the
 /// design keeps.
 const RIDGE: f64 = 0.025e-3;
+
+/// Rounds after which filling goes on in longer strides.
+const PATIENCE: usize = 10;
 
 /// A cutter over a grid of places.
 #[derive(Clone, Debug)]
@@ -66,10 +72,25 @@ impl Tool {
     }
 
     /// `cutter` over places so close together that the ridges between them, h²/8R high, are about 0.025 µm: as good as
-    /// without steps. Each node of `relief` is a place, since that is where pits have their bottoms.
-    pub(crate) fn without_steps(relief: &PeriodicRelief, cutter: Cutter) -> Self {
-        let between_nodes = relief.step().max_element() / (8.0 * cutter.valley_radius() * RIDGE).sqrt();
-        Self { cutter, places: relief.nodes * between_nodes.round().max(1.0) as usize }
+    /// without steps. Each of the `nodes` a side of a relief is a place, since that is where pits have their bottoms.
+    pub(crate) fn without_steps(cell: DVec2, nodes: usize, cutter: Cutter) -> Self {
+        let step = (cell / nodes as f64).max_element();
+        let between_nodes = step / (8.0 * cutter.valley_radius() * RIDGE).sqrt();
+        Self { cutter, places: nodes * between_nodes.round().max(1.0) as usize }
+    }
+
+    /// The diameter, mm, of the smallest ball that can be followed over cells of `cell` mm and `nodes` nodes a side: with a
+    /// smaller one, [`without_steps`](Self::without_steps) would have more than [`MOST_FINE`] places a side.
+    pub(crate) fn least_diameter(cell: DVec2, nodes: usize) -> f64 {
+        let step = (cell / nodes as f64).max_element();
+        // Places between nodes are rounded to the nearest whole number.
+        let between_nodes = (MOST_FINE / nodes).max(1) as f64 + 0.5;
+        (step / between_nodes).powi(2) / (4.0 * RIDGE)
+    }
+
+    /// Places over a whole cell.
+    pub(crate) fn all_places(&self) -> f64 {
+        (self.places as f64).powi(2)
     }
 
     /// One cell of `relief` as the cutter leaves it; of no use if the work is abandoned meanwhile.
@@ -108,24 +129,37 @@ impl Tool {
             .collect()
     }
 
+    /// By how much the bottom of a straight valley must rise for each mm that the machined surface shall lie lower above
+    /// it, where that is 0.8 of `most` mm: a ball of radius R stays R Δs²/8 above the edge of two slopes Δs apart, and a
+    /// rise by z takes 2z over the distance of nodes from Δs.
+    fn rise_for_clearance(&self, relief: &PeriodicRelief, most: f64) -> f32 {
+        let radius = self.cutter.valley_radius();
+        let jump = (8.0 * 0.8 * most / radius).sqrt();
+        (2.0 * relief.step().min_element() / (radius * jump)) as f32
+    }
+
     /// Raises nodes of `relief` until the machined surface lies nowhere more than `most` mm above its triangles. Returns
     /// whether any node was raised.
     ///
-    /// About one node in a thousand needs it; no relief met so far has come near the limit of a hundred rounds.
+    /// About one node in a thousand needs it, in a few rounds. Where nodes lie far apart for the cutter, a valley is filled
+    /// slowly: its ends must rise by many times as much as the machined surface comes down. After [`PATIENCE`] rounds they
+    /// are raised by half of that: a sheet of 16 nodes in 30 mm for a ball of 1 mm did not end within a hundred rounds before.
     pub(crate) fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
+        let half_of_the_way = (0.5 * self.rise_for_clearance(relief, most)).max(1.0);
         for round in 0..ROUNDS {
             let milled = self.mill(relief, progress);
             if progress.is_abandoned() {
                 return false;
             }
+            let stride = if round < PATIENCE { 1.0 } else { half_of_the_way };
             let mut raise = vec![0.0f32; n * n];
             for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
                 let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
                 let [(i, a), (j, b)] = at;
                 // A fifth more than is needed, so that few rounds are.
-                let excess = left - 0.8 * most as f32;
+                let excess = stride * (left - 0.8 * most as f32);
                 for ((x, y), share) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(bilinear_weights(a, b)) {
                     let node = &mut raise[(j + y) % n * n + (i + x) % n];
                     *node = node.max(excess * share);

@@ -18,17 +18,9 @@
 //! `INSET`: coplanar neighbours of a grazing ray are no leaks, nor is a silhouette edge that a ray along a wall touches.
 
 use glam::{DVec2, DVec3, UVec2, Vec3A};
-use obvhs::{
-    aabb::Aabb,
-    bvh2::reinsertion::ReinsertionOptimizer,
-    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
-    fast_stack,
-    faststack::FastStack,
-    ploc::{PlocBuilder, PlocSearchDistance, SortPrecision},
-    ray::Ray,
-    traverse,
-};
+use obvhs::{aabb::Aabb, cwbvh::CwBvh, fast_stack, faststack::FastStack, ray::Ray, traverse};
 
+use super::box_tree::plant;
 use super::{Hit, PieceKind, Surface};
 use crate::relief::mesh::Mesh;
 
@@ -111,12 +103,12 @@ impl MeshSurface {
             return Err(MeshSurfaceError::NoRelief);
         }
 
-        let tree = plant(&boxes);
-        let leaves = &tree.primitive_indices;
+        let tree = plant(&boxes, &triangles);
+        let (leaves, degenerate) = (&tree.primitive_indices, mesh.triangles.len() - triangles.len());
         Ok(Self {
             triangles: leaves.iter().map(|&k| triangles[k as usize]).collect(),
             kinds: leaves.iter().map(|&k| kinds[k as usize]).collect(),
-            degenerate: mesh.triangles.len() - triangles.len(),
+            degenerate,
             levels: levels(&tree),
             tree,
             bounds: (low - WIDEN * diagonal, high + WIDEN * diagonal),
@@ -265,16 +257,6 @@ struct Search<S> {
     oct_inv4: u32,
     primitive_id: u32,
     hitmask: u32,
-}
-
-/// The tree over boxes in space. Its shape is that of the crate's `fast_build`, than which slower ones were measured to
-/// search no faster; but a tree too deep for the crate's own search is no fault here.
-fn plant(boxes: &[Aabb]) -> CwBvh {
-    let indices = (0..boxes.len() as u32).collect();
-    let builder = &mut PlocBuilder::with_capacity(boxes.len());
-    let mut pairs = builder.build(PlocSearchDistance::Low, boxes, indices, SortPrecision::U64, 2);
-    ReinsertionOptimizer::default().run(&mut pairs, 0.02, None);
-    bvh2_to_cwbvh(&pairs, 3, true, false)
 }
 
 /// Levels of nodes in a tree.

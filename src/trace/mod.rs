@@ -8,6 +8,8 @@ pub mod height_field;
 
 pub mod grid;
 
+mod box_tree;
+
 pub mod mesh;
 
 pub mod path;

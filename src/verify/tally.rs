@@ -173,6 +173,12 @@ pub struct Measurement {
 /// Parts of a measurement, each an interleaved share of its rays.
 pub(crate) const PARTS: usize = 16;
 
+/// What a measurement on `pixels` pixels takes, bytes: each part and their whole have an image, and what is drawn from
+/// them has two more.
+pub fn bytes(pixels: usize) -> f64 {
+    (8 * (PARTS + 4)) as f64 * pixels as f64
+}
+
 impl Measurement {
     /// From [`PARTS`] tallies; `None` if no light came in.
     pub(crate) fn of_parts(parts: Vec<Tally>) -> Option<Self> {

@@ -3,6 +3,11 @@
 #[path = "../program/mod.rs"]
 mod program;
 
+#[path = "../library/mutants/mutate.rs"]
+mod mutate;
+
+mod bounds;
+mod breaking;
 mod continuous;
 mod files;
 mod hostile;
@@ -15,6 +20,7 @@ mod publishing;
 mod reports;
 mod stopping;
 mod telling;
+mod verify;
 
 use std::fs;
 use std::path::Path;

@@ -9,6 +9,8 @@ use image::{DynamicImage, ImageFormat};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+use super::mutants::mutate::crc32;
+
 const FORMATS: [ImageFormat; 6] =
     [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp, ImageFormat::Pnm];
 
@@ -354,16 +356,4 @@ pub fn stored(data: &[u8]) -> Vec<u8> {
     }
     out.extend((b << 16 | a).to_be_bytes());
     out
-}
-
-/// PNG specification, annex D.
-pub fn crc32(data: &[u8]) -> u32 {
-    let mut sum = u32::MAX;
-    for byte in data {
-        sum ^= u32::from(*byte);
-        for _ in 0..8 {
-            sum = if sum & 1 == 1 { 0xedb8_8320 ^ sum >> 1 } else { sum >> 1 };
-        }
-    }
-    !sum
 }

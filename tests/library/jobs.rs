@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use facetmill::job::clock::{Spent, on_own_threads};
 use facetmill::job::{Job, Outcome, Product};
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::{Picture, Reading, from_raster};
 use facetmill::progress::{CancelToken, Event, Progress};
 use facetmill::projection::View;
@@ -34,7 +35,7 @@ fn done(recipe: &Recipe, cancel: &CancelToken) -> (Outcome, Spent) {
     let picture = ring();
     let listen = |_: Event<'_>| {};
     let progress = Progress::new(&listen, cancel);
-    let job = Job { recipe, picture: &picture, proved: true };
+    let job = Job { recipe, picture: &picture, proved: true, memory: MemoryLimit::of_system(1) };
     let (outcome, spent) = on_own_threads(Some(1), || job.run(None, &mut |_, _| {}, &progress)).unwrap();
     (outcome.unwrap(), spent)
 }

@@ -3,7 +3,9 @@
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
+use facetmill::job::clock::wanted_threads;
 use facetmill::job::design::DesignError;
+use facetmill::memory::TooMuchMemory;
 use facetmill::picture::PictureError;
 use facetmill::progress::Cancelled;
 use facetmill::report::text;
@@ -74,6 +76,12 @@ impl From<PictureError> for Failure {
 impl From<Cancelled> for Failure {
     fn from(_: Cancelled) -> Self {
         Self::Stopped { snapshots: None }
+    }
+}
+
+impl From<TooMuchMemory> for Failure {
+    fn from(error: TooMuchMemory) -> Self {
+        Self::Impossible(error.to_string())
     }
 }
 
@@ -176,4 +184,20 @@ pub fn print(text: &str) -> Result<(), OutputError> {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(OutputError::StandardOutput(error)),
         _ => Ok(()),
     }
+}
+
+/// Says so if fewer threads work than were wanted.
+pub fn tell_threads(running: &RunningArgs) {
+    let (wanted, started) = (wanted_threads(running.threads), rayon::current_num_threads());
+    if started < wanted && !running.quiet {
+        let _ = writeln!(
+            io::stderr(),
+            "facetmill: of {wanted} threads only {started} can be started: it takes longer, and the result is the same"
+        );
+    }
+}
+
+/// Whether the system lets one more thread start.
+pub fn a_thread_can_start() -> bool {
+    std::thread::Builder::new().spawn(|| {}).is_ok_and(|thread| thread.join().is_ok())
 }

@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use facetmill::job::clock::on_own_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::{Job, Outcome, Product, exports};
-use facetmill::picture;
+use facetmill::job::{Job, Outcome, Product, exports, memory};
 use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::report::estimate::EstimateReport;
@@ -25,14 +23,18 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([args.recipe.as_deref(), None])?;
     let (mut recipe, path) = recipe(args)?;
     let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
+    let limit = args.running.memory();
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
-        let picture = picture::read(&path, &recipe.reading())?;
+        let picture = inputs::picture(&path, &recipe.reading(), limit)?;
         let stray = unavoidable_light(&recipe, &picture.light)?;
         let share = stray.map(|stray| stray.share);
-        let report = EstimateReport { least_stray_share: share, ..estimate(&recipe, !args.no_verify) };
+        let report =
+            EstimateReport { least_stray_share: share, ..estimate(&recipe, picture.light.width, !args.no_verify) };
+        let refused = limit.admit(memory::need(&recipe, picture.light.width, !args.no_verify)).err();
         tell(&args.running, &report, |report| Table {
             title: "Dry run: nothing was designed or written".into(),
             rows: tables::estimate(&recipe, report),
+            notes: refused.iter().map(|refused| format!("This would be refused: {refused}.")).collect(),
             ..Table::default()
         })?;
         return Ok(());
@@ -45,7 +47,7 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
-    let picture = picture::read(&path, &recipe.reading())?;
+    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
     let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| {
@@ -55,21 +57,11 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         stages.hear(event);
     };
     let progress = Progress::new(&listen, &run.cancel);
-    let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify };
+    let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify, memory: limit };
     let from = if args.resume { Some(snapshots::resume(folder, &recipe, &picture.light)?) } else { None };
     let kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, &recipe, &picture.light));
-    let work = || {
-        let made = made(job, from, kept, run, &progress)?;
-        made.write(
-            &picture,
-            &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?),
-            &progress,
-        )?;
-        Ok::<_, Failure>(made)
-    };
-    let (made, _) = on_own_threads(args.running.threads, work)
-        .map_err(|error| Failure::Impossible(format!("no threads can be started ({error}): lower --threads")))?;
-    let made = made?;
+    let made = made(job, from, kept, run, &progress)?;
+    made.write(&picture, &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?), &progress)?;
     staged.publish()?;
     stages.finish();
     tell(&args.running, &made.report(&picture), |report| Table {

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use facetmill::memory::MemoryLimit;
+use facetmill::picture::{self, Picture, Reading};
 use facetmill::recipe::Recipe;
 use facetmill::scene::room::Room;
 
@@ -33,6 +35,14 @@ pub fn open(path: &Path) -> Result<File, Failure> {
         return Err(Failure::Input(format!("{name}: this is {found}, not a file; name a file")));
     }
     File::open(path).map_err(cannot)
+}
+
+/// Reads a picture, if it is one that may take so much memory.
+pub fn picture(path: &Path, reading: &Reading, limit: MemoryLimit) -> Result<Picture, Failure> {
+    if let Some(need) = picture::need(path) {
+        limit.admit(need)?;
+    }
+    Ok(picture::read(path, reading)?)
 }
 
 /// The picture that the recipe in `file` names: beside that file, else in the working folder.

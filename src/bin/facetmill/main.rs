@@ -40,9 +40,10 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::FromArgMatches;
+use facetmill::job::clock::on_own_threads;
 
 use args::{Cli, Command, RunningArgs};
-use console::report_failure;
+use console::{Failure, report_failure};
 use interrupt::Run;
 
 fn main() -> ExitCode {
@@ -70,15 +71,18 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
     // Without a handler Ctrl-C still ends the program, only less tidily.
     let _ = ctrlc::set_handler(move || interrupted.interrupted(to_json));
     interrupt::catch_size_limit();
-    if let Some(threads) = running.threads {
-        // Fails only if a pool exists already, and none does yet.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    }
-    let done = match command {
-        Command::Design(args) => design::run(args, &run),
-        Command::Verify(args) => verify::run(args, &run),
-        Command::Measure(args) => measure::run(args, &run),
-        Command::Completions { .. } | Command::Man => Ok(()),
+    let work = || {
+        console::tell_threads(running);
+        match command {
+            Command::Design(args) => design::run(args, &run),
+            Command::Verify(args) => verify::run(args, &run),
+            Command::Measure(args) => measure::run(args, &run),
+            Command::Completions { .. } | Command::Man => Ok(()),
+        }
+    };
+    let done = match on_own_threads(running.threads, work) {
+        Ok((done, _)) => done,
+        Err(error) => Err(Failure::Impossible(format!("no thread can be started ({error}): end other programs"))),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use facetmill::export::mesh_files::read_mesh;
+use facetmill::memory::{MemoryLimit, Need, TooMuchMemory};
 use facetmill::recipe::Recipe;
 use facetmill::relief::mesh::Mesh;
 use facetmill::relief::placement::{Axis, faces_turned, is_inside_out, relief_side, scaled, upright};
@@ -48,15 +49,35 @@ impl Task for Heights {
     }
 }
 
+/// Bytes for each 50 of a mesh's file, which are a triangle of a binary one: its mesh and the tree over it as it is built.
+const TRIANGLE: f64 = 400.0;
+
+/// Bytes for each triangle of a plate once it is there.
+const KEPT_TRIANGLE: f64 = 150.0;
+
+/// Bytes of the program itself.
+const GROUND: f64 = 4e7;
+
+/// Refuses a plate of `bytes` in a file that would take too much memory to read, or beside what is to be done with it.
+fn admit(bytes: u64, limit: MemoryLimit, then: Need) -> Result<(), TooMuchMemory> {
+    let triangles = bytes as f64 / 50.0;
+    let read = Need::new(GROUND + TRIANGLE * triangles, "a plate of so many triangles", "decimate its mesh");
+    let beside = Need { bytes: then.bytes.saturating_add((GROUND + KEPT_TRIANGLE * triangles) as u64), ..then };
+    limit.admit(read)?;
+    limit.admit(beside)
+}
+
 /// A plate shorter than this may be in another unit than millimetres, mm.
 const SHORT: f64 = 5.0;
 
-/// Reads the mesh at `path` and lays it down; its rim of `margin` mm is no optical area.
-pub fn open(path: &Path, margin: f64, placing: &PlacingArgs) -> Result<Opened, Failure> {
+/// Reads the mesh at `path`, if that and what is to be done then may take so much memory, and lays it down; its rim of
+/// `margin` mm is no optical area.
+pub fn open(path: &Path, margin: f64, placing: &PlacingArgs, memory: (MemoryLimit, Need)) -> Result<Opened, Failure> {
     if !(0.0..=10_000.0).contains(&margin) {
         return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
     }
     let name = path.display();
+    admit(path.metadata().map_or(0, |about| about.len()), memory.0, memory.1)?;
     let (mesh, mut advice) = laid_down(path, placing)?;
     let (low, high) = mesh.bounds();
     let size = high - low;

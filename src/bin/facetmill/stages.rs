@@ -9,6 +9,7 @@ use facetmill::progress::{Event, Stage};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::args::RunningArgs;
+use crate::console::a_thread_can_start;
 use crate::wrapping::{cut, wrapped};
 
 /// Letters of a stage's name beside its bar, and once it is over.
@@ -82,7 +83,10 @@ impl Stages {
             bar.set_style(style.with_key("left", time_left));
         }
         bar.set_message(format!("{:BESIDE$}", cut(stage.words(), BESIDE)));
-        bar.enable_steady_tick(Duration::from_millis(100));
+        // Ticks come from a thread, for want of which the bar would panic; without them it moves with the work.
+        if a_thread_can_start() {
+            bar.enable_steady_tick(Duration::from_millis(100));
+        }
         *present = Some((bar, Instant::now()));
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use facetmill::job::pictures::rays;
+use facetmill::memory::said;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
@@ -226,6 +227,7 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         row("design", about(report.design_cpu_seconds_about), "of CPU time"),
         row("proof", about(proof), sent),
         row("files", about(report.files_cpu_seconds_about), "mostly for pictures"),
+        row("memory", format!("about {}", said(report.memory_bytes_about)), "at once, at the most"),
     ];
     if let Some(share) = report.least_stray_share {
         let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";

@@ -1,16 +1,24 @@
 //! What clap makes of a wrong command line, in one sentence.
 
+use std::io::{self, Write};
+
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::console::{Failure, report_failure};
+use crate::files::OutputError;
 use crate::help::has_flag;
 
 /// Prints help where it was asked for, else what is wrong; the exit code.
 pub fn answer(error: &clap::Error) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let _ = error.print();
-            0
+            // What was asked for is the page itself: it must come through. A reader that has gone away has read enough.
+            match error.print().and_then(|()| io::stdout().flush()) {
+                Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                    report_failure(&OutputError::StandardOutput(error).into(), false)
+                }
+                _ => 0,
+            }
         }
         // No command at all: the page that names them.
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {

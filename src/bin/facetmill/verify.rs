@@ -7,7 +7,8 @@ use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
 use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
-use facetmill::picture::{self, Picture};
+use facetmill::memory::Need;
+use facetmill::picture::Picture;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
@@ -21,7 +22,7 @@ use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
 use facetmill::verify::rim::OverRim;
 use facetmill::verify::score::blurred_scores;
-use facetmill::verify::tally::Measurement;
+use facetmill::verify::tally::{self, Measurement};
 use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
 
 use crate::args::VerifyArgs;
@@ -60,10 +61,13 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
+    let limit = args.running.memory();
+    let pixels = Measuring::default().resolution.pow(2);
+    let image = Need::new(tally::bytes(pixels), "the image of the light", "decimate the plate's mesh");
     let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
     let margin = args.margin.unwrap_or(border);
-    let opened = plates::open(&stl, margin, &args.placing)?;
-    let picture = picture::read(&path, &recipe.reading())?;
+    let opened = plates::open(&stl, margin, &args.placing, (limit, image))?;
+    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
     let setup = match (args.mount, mount) {
         (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,

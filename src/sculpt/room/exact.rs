@@ -12,7 +12,7 @@ use crate::sculpt::slope_loss::LossScale;
 use crate::sculpt::tool::Tool;
 
 use super::landing::wanted;
-use super::milling::{fill, lattice_relief, usual_tool};
+use super::milling::{fill, usual_tool};
 use super::objective::PlateObjective;
 use super::plate_grid::PlateGrid;
 
@@ -175,7 +175,7 @@ fn cleared(relief: &mut OpenRelief, settings: &SheetSettings, progress: &Progres
     let grid = PlateGrid::of(relief, Some(cutter));
     let mut z = grid.embedded(relief);
     let tool = usual_tool(&grid, cutter);
-    let finer = Tool::without_steps(&lattice_relief(&grid, &z), cutter);
+    let finer = Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter);
     for _ in 0..FILLINGS {
         if progress.is_abandoned() {
             break;

@@ -7,6 +7,7 @@ use std::path::Path;
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageFormat, Luma};
 
 use super::Trials;
+use crate::mutate::crc32;
 use crate::program::ring;
 
 fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
@@ -28,12 +29,6 @@ fn claiming(width: u32, height: u32, depth: u8, colour: u8) -> Vec<u8> {
     let sum = crc32(&bytes[12..29]);
     bytes[29..33].copy_from_slice(&sum.to_be_bytes());
     bytes
-}
-
-/// PNG specification, annex D.
-fn crc32(data: &[u8]) -> u32 {
-    let step = |sum: u32| if sum & 1 == 1 { 0xedb8_8320 ^ (sum >> 1) } else { sum >> 1 };
-    !data.iter().fold(u32::MAX, |sum, byte| (0..8).fold(sum ^ u32::from(*byte), |sum, _| step(sum)))
 }
 
 /// A float TIFF of `side` x `side` pixels of one value, little-endian, one strip.

@@ -1,4 +1,4 @@
-//! Mutants of small pictures and meshes: an answer for each, never a panic, soon.
+//! Mutants of small files of every kind that is read: an answer for each, never a panic, soon.
 //!
 //! The short form, some seconds, is part of the tests. The long form, here 20 minutes for each kind of file:
 //!
@@ -8,7 +8,7 @@
 //!
 //! Mutant k is the same in every run. What fails is kept in `target/tmp`, under the name that the message tells.
 
-mod mutate;
+pub mod mutate;
 mod targets;
 
 use std::fs;
@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use facetmill::export::stl::write_stl;
 use facetmill::relief::mesh::Mesh;
+use facetmill::sculpt::checkpoint::{Checkpoint, Origin, write_state};
+use facetmill::sculpt::start::Start;
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -104,7 +106,7 @@ fn keep(name: &str, k: u64, bytes: &[u8]) -> String {
 /// Files that are read or were once misread: those of the repository and those drawn here.
 fn corpus(name: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(name);
-    let mut paths: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut paths: Vec<_> = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
     paths.sort();
     let mut all: Vec<Vec<u8>> = paths.iter().map(|path| fs::read(path).unwrap()).collect();
     match name {
@@ -117,9 +119,24 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
             all.push(bytes);
             all.extend(meshes());
         }
+        "state" => all.extend(states()),
         _ => {}
     }
+    assert!(!all.is_empty(), "{name}");
     all
+}
+
+/// States of two small designs.
+fn states() -> Vec<Vec<u8>> {
+    let of = |nodes: usize, start: Start, recipe: &str| {
+        let heights = (0..nodes * nodes).map(|k| 0.01 * (k % 17) as f32 - 0.07).collect();
+        let at = Checkpoint { done: 2, start, nodes, heights, misplaced: vec![0.3, 0.1 + 0.2] };
+        let origin = Origin { recipe: recipe.into(), picture: "48x48 0123456789abcdef".into() };
+        let mut bytes = Vec::new();
+        write_state(&at, &origin, &mut bytes).unwrap();
+        bytes
+    };
+    vec![of(4, Start::Cone, "[design]\nseed = 3\n"), of(16, Start::Hills(2), "[plate]\ngrid = 16\ncells = 1\n")]
 }
 
 /// A small drawing in every format and depth.
@@ -193,4 +210,19 @@ fn mutated_pictures_are_read_or_refused_in_time() {
 #[test]
 fn mutated_meshes_are_read_or_refused_in_time() {
     judge("stl");
+}
+
+#[test]
+fn mutated_recipes_are_read_or_refused_in_time() {
+    judge("recipe");
+}
+
+#[test]
+fn mutated_states_are_read_or_refused_in_time() {
+    judge("state");
+}
+
+#[test]
+fn mutated_folders_are_read_or_refused_in_time() {
+    judge("folder");
 }

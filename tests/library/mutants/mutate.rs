@@ -97,9 +97,21 @@ fn mend_checksums(bytes: &mut [u8]) {
     while let Some(length) = bytes.get(at..at + 4).map(|b| u32::from_be_bytes([b[0], b[1], b[2], b[3]]) as usize) {
         let end = at + 8 + length;
         let Some(body) = bytes.get(at + 4..end) else { return };
-        let sum = crate::hostile_pictures::crc32(body).to_be_bytes();
+        let sum = crc32(body).to_be_bytes();
         let Some(place) = bytes.get_mut(end..end + 4) else { return };
         place.copy_from_slice(&sum);
         at = end + 4;
     }
+}
+
+/// PNG specification, annex D.
+pub fn crc32(data: &[u8]) -> u32 {
+    let mut sum = u32::MAX;
+    for byte in data {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = if sum & 1 == 1 { 0xedb8_8320 ^ sum >> 1 } else { sum >> 1 };
+        }
+    }
+    !sum
 }

@@ -6,7 +6,11 @@ use std::io::Cursor;
 
 use facetmill::export::mesh_files::{MeshFileError, ReadMesh, read_mesh};
 use facetmill::export::stl::StlError;
+use facetmill::job::memory;
 use facetmill::picture::{Picture, PictureError, PictureFit, Reading, from_bytes};
+use facetmill::recipe::Recipe;
+use facetmill::report::design::Mount;
+use facetmill::sculpt::checkpoint::{StateError, read_state, write_state};
 
 /// What became of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +27,8 @@ pub enum Fate {
 pub type Target = fn(&[u8]) -> Fate;
 
 /// All kinds of files, each with the folder of its corpus.
-pub const TARGETS: [(&str, Target); 2] = [("picture", picture), ("stl", mesh)];
+pub const TARGETS: [(&str, Target); 5] =
+    [("picture", picture), ("stl", mesh), ("recipe", recipe), ("state", state), ("folder", folder)];
 
 /// A picture: light on a square, or a sentence.
 pub fn picture(bytes: &[u8]) -> Fate {
@@ -69,4 +74,58 @@ pub fn mesh(bytes: &[u8]) -> Fate {
             if message.contains("its decoder failed") { Fate::Fenced } else { Fate::Refused }
         }
     }
+}
+
+/// A recipe: settings that are written as they are read and, once checked, ask for a bounded plate; or a sentence.
+pub fn recipe(bytes: &[u8]) -> Fate {
+    let Ok(text) = str::from_utf8(bytes) else { return Fate::Refused };
+    let recipe = match Recipe::from_toml(text) {
+        Ok(recipe) => recipe,
+        Err(error) => return refused(&error),
+    };
+    if let Err(error) = recipe.check() {
+        return refused(&error);
+    }
+    assert_eq!(Recipe::from_toml(&recipe.to_toml()).as_ref(), Ok(&recipe));
+    let ([columns, rows], sheet) = (recipe.facets(), recipe.sculpting());
+    assert!(columns * rows <= 4_000_000 && sheet.grid <= 4096 && recipe.pitch().is_finite());
+    // As many bytes as the largest plates may take, and no more.
+    assert!((1 << 20..1 << 40).contains(&memory::need(&recipe, 256, true).bytes));
+    Fate::Read
+}
+
+/// The state of a design: heights of the grid that its first line tells, written again as they were read; or a sentence.
+pub fn state(bytes: &[u8]) -> Fate {
+    match read_state(&mut Cursor::new(bytes)) {
+        Ok((at, origin)) => {
+            assert_eq!(at.heights.len(), at.nodes * at.nodes);
+            assert!(at.heights.iter().all(|z| z.is_finite()) && at.misplaced.len() == at.done);
+            let mut again = Vec::new();
+            write_state(&at, &origin, &mut again).unwrap();
+            let (same, beside) = read_state(&mut again.as_slice()).unwrap();
+            assert!(same == at && beside == origin);
+            recipe(origin.recipe.as_bytes());
+            Fate::Read
+        }
+        Err(StateError::Unreadable(error)) => panic!("reading from memory fails: {error}"),
+        Err(error) => refused(&error),
+    }
+}
+
+/// What is read back of a design's folder: its recipe, and behind a form feed its report.
+pub fn folder(bytes: &[u8]) -> Fate {
+    let at = bytes.iter().position(|byte| *byte == 0x0c).unwrap_or(bytes.len());
+    let (settings, report) = (&bytes[..at], bytes.get(at + 1..).unwrap_or_default());
+    let Ok(report) = str::from_utf8(report) else { return Fate::Refused };
+    match (recipe(settings), Mount::read(report)) {
+        (Fate::Read, Ok(_)) => Fate::Read,
+        (_, Err(error)) => refused(&error),
+        (fate, _) => fate,
+    }
+}
+
+/// Refused in words, whatever bytes of the file they repeat.
+fn refused(error: &dyn std::fmt::Display) -> Fate {
+    assert!(!error.to_string().is_empty());
+    Fate::Refused
 }

@@ -10,8 +10,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
+use facetmill::job::clock::wanted_threads;
+use facetmill::memory::MemoryLimit;
 
-use crate::values::{Limit, UnitArg, UpArg, threads};
+use crate::values::{Limit, UnitArg, UpArg, memory, threads};
 
 pub use design::DesignArgs;
 pub use measure::MeasureArgs;
@@ -152,6 +154,12 @@ pub struct RunningArgs {
     /// Threads; results do not depend on it  [default: one a core]
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
+    /// The most memory to take, such as 4G: what needs more is refused  [default: 70 % of what there is]
+    ///
+    /// What there is: the least of the machine's memory, of the control group's and of the limit on addresses. It never
+    /// changes a result.
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    pub memory: Option<u64>,
     /// Replace the files of an earlier run; files of other names are left alone
     #[arg(long)]
     pub force: bool,
@@ -164,4 +172,12 @@ pub struct RunningArgs {
     /// Tell every figure, not only the verdict and what matters most
     #[arg(long, conflicts_with_all = ["quiet", "json"])]
     pub verbose: bool,
+}
+
+impl RunningArgs {
+    /// The most memory that may be taken: as asked, or as usual.
+    pub fn memory(&self) -> MemoryLimit {
+        let usual = || MemoryLimit::of_system(wanted_threads(self.threads));
+        self.memory.map_or_else(usual, MemoryLimit::of_bytes)
+    }
 }

@@ -157,7 +157,7 @@ fn rows(swept: &Swept, rays: u64) -> Vec<[String; 3]> {
     let lights = swept.table.axes().slices();
     vec![
         row("directions", lights.to_string(), format!("of light, {rays} rays each")),
-        row("albedo", percent(laws.greatest_albedo.0), "of the light leaves, where most does; no more than 100 %"),
+        row("albedo", percent(laws.greatest_albedo.0), albedo(laws.greatest_albedo)),
         row("bounced twice", percent(worst(swept, |l| l.multi_bounce)), "of what leaves, where most does"),
         row("past the edges", percent(worst(swept, |l| l.past_edges)), "of the light, where most does"),
         row(
@@ -175,6 +175,13 @@ fn rows(swept: &Swept, rays: u64) -> Vec<[String; 3]> {
             },
         ),
     ]
+}
+
+/// What is said of the greatest albedo and its standard error. No law lets more than all light leave; what a table holds
+/// beyond that is chance, and the width of its cells.
+fn albedo((share, error): (f64, f64)) -> String {
+    let beyond = if share > 1.0 { "; what is beyond 100 % is noise of the rays, and cells" } else { "" };
+    format!("of the light leaves, where most does (± {:.2}){beyond}", 100.0 * error)
 }
 
 /// The largest of a share over all directions of light.
@@ -217,3 +224,14 @@ const MOST_CELLS_EACH: usize = 16_777_216;
 
 /// Cells of a table: 1 GB in memory.
 const MOST_CELLS: usize = 128_000_000;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_albedo_above_one_is_told_as_noise() {
+        assert!(!albedo((0.9731, 0.001)).contains("beyond"));
+        assert!(albedo((1.0019, 0.0012)).contains("(± 0.12); what is beyond 100 % is noise"));
+    }
+}

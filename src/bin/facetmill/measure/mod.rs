@@ -3,6 +3,7 @@
 mod brdf;
 mod check;
 mod highlight;
+mod memory;
 mod ndf;
 mod render;
 mod wall;
@@ -10,7 +11,7 @@ mod wall;
 use facetmill::brdf::material::Material;
 use facetmill::job::exports;
 use facetmill::lamp::Extent;
-use facetmill::picture::{self, Reading};
+use facetmill::picture::Reading;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::measure::{LampFacts, MeasureReport, Measured};
@@ -77,6 +78,9 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     // A rim that is left dull lights nothing.
     let dull_rim = if recipe.border_finish() == BorderFinish::Matt { recipe.plate.border } else { 0.0 };
     let measuring = measuring(args, &recipe);
+    let limit = args.running.memory();
+    let need = memory::need(args, measuring.resolution)?;
+    limit.admit(need)?;
     let mut setup = recipe.setup();
     if let Some(normal) = named.mount {
         setup = setup.mounted(normal);
@@ -90,7 +94,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing)?;
+    let memory = (limit, need);
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing, memory)?;
     let (plate, endless) = extent(args, &recipe, &opened)?;
     let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
     let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
@@ -210,7 +215,7 @@ const LAMP_HALF_FIELD: f64 = 5.0;
 fn lamp(args: &MeasureArgs, recipe: &Recipe) -> Result<Extent, Failure> {
     let Some(path) = &args.lamp else { return Ok(Extent::round(recipe.light.radius.to_radians())) };
     let half_field = args.lamp_half_field.unwrap_or(LAMP_HALF_FIELD);
-    let picture = picture::read(path, &Reading::default())?;
+    let picture = inputs::picture(path, &Reading::default(), args.running.memory())?;
     Extent::picture(&picture.light, half_field.to_radians())
         .ok_or_else(|| Failure::Input(format!("{}: the picture is all dark: a lamp needs light", path.display())))
 }
