@@ -11,7 +11,8 @@ const NEAR: &str = "--size 12x12 --grid 48 --cells 2 --light 30,90 --lamp-distan
 #[test]
 fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_file() {
     let home = home();
-    let line = format!("design ring.png -o plate {NEAR} --near warp --for-cutter ball:0.5 --border 2 --rays 100000");
+    let line =
+        format!("design ring.png -o plate {NEAR} --near warp --for-cutter ball:0.5 --border 2 --rays 100000 --verbose");
     let done = run_line(home.path(), &line);
     assert_done(&done);
     let report = json(home.path().join("plate/report.json"));
@@ -48,7 +49,7 @@ fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_f
 #[test]
 fn a_far_plate_tells_from_where_on_its_figures_hold_and_a_lamp_in_the_beam_is_told() {
     let home = home();
-    let done = run_line(home.path(), "design ring.png -o far --facets 8x6 --rays 20000");
+    let done = run_line(home.path(), "design ring.png -o far --facets 8x6 --rays 20000 --verbose");
     assert_done(&done);
     let holds = &json(home.path().join("far/report.json"))["holds_beyond"];
     assert_eq!(
@@ -59,8 +60,8 @@ fn a_far_plate_tells_from_where_on_its_figures_hold_and_a_lamp_in_the_beam_is_to
     let line = "design ring.png -o lit --facets 8x6 --rays 20000 --lamp-distance 300 --wall 900 --lamp-radius 60";
     let done = run_line(home.path(), line);
     assert_done(&done);
-    assert!(done.stdout.contains("The lamp stands between plate and picture"), "{}", done.stdout);
     let report = json(home.path().join("lit/report.json"));
+    assert!(report["advice"].to_string().contains("The lamp stands between plate and picture"), "{report}");
     assert!(report["on_wall"]["stopped_by_lamp"].as_f64().unwrap() > 0.05 && report["holds_beyond"].is_null());
     assert!(fs::exists(home.path().join("lit/comparison.png")).unwrap());
 }
