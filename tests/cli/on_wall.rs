@@ -17,7 +17,7 @@ fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_f
     let report = json(home.path().join("plate/report.json"));
     let wall = &report["on_wall"];
     let figure = |of: &str, key: &str| wall[of]["tv_incident"][key].as_f64().unwrap();
-    assert!(figure("designed", "0.5deg") < 0.02 && figure("as_milled", "0.5deg") < 0.03, "{wall}");
+    assert!(figure("designed", "0.5deg") < 0.04 && figure("as_milled", "0.5deg") < 0.04, "{wall}");
     assert!((wall["focus_mm"].as_f64().unwrap() - 1200.0 / 7.0).abs() < 1e-6, "{wall}");
     assert!((wall["eye_blur_mm"].as_f64().unwrap() - 2.007).abs() < 0.001, "{wall}");
     let [near, far] = [0, 1].map(|k| wall["in_focus_mm"][k].as_f64().unwrap());
@@ -38,7 +38,7 @@ fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_f
     }
     // The design's own room, unless another wall is named; repeated it is no plate.
     assert_done(&run_line(home.path(), "measure plate -o seen --rays 100000"));
-    let seen = json(home.path().join("seen/report.json"));
+    let seen = &json(home.path().join("seen/report.json"))["measured"];
     assert!((seen["wall_distance_mm"].as_f64().unwrap() - 400.0).abs() < 1e-6, "{seen}");
     assert!(seen["in_picture"].as_f64().unwrap() > 0.97, "{seen}");
     let refused = run_line(home.path(), "measure plate -o endless --extent endless");
