@@ -48,7 +48,7 @@ fn of_png_statements_the_stronger_is_believed_and_opacity_is_never_touched() {
     let strong = picture(&small(false, &[(b"gAMA", &gamma(22_727))], &rows)).light;
     assert!(near(strong.at(0, 0), (188.0f64 / 255.0).powf(1.0 / 0.22727)));
     // Image (Dart) 35: what gamma does to grey, it does not do to opacity.
-    let clear = picture(&small(true, &[(b"gAMA", &gamma(100_000))], &[0, 255, 192, 255, 0, 0, 0, 255, 0, 0])).light;
+    let clear = picture(&small(true, &[(b"gAMA", &gamma(100_000))], &[0, 255, 192, 255, 0, 0, 0, 0, 0, 0])).light;
     assert!(near(clear.at(0, 0), 192.0 / 255.0));
     // image-png 629: a gamma of zero is nothing.
     let none = picture(&small(false, &[(b"gAMA", &gamma(0))], &rows));
@@ -83,10 +83,6 @@ fn jpegs_that_end_as_cameras_and_their_makers_like_are_read() {
     let read = picture(open);
     assert_eq!(read.light, want);
     assert!(read.notes[0].contains("end of the file is missing"), "{:?}", read.notes);
-    // libjpeg-turbo 163: none, and a film behind the picture.
-    assert_eq!(picture(&[open, &b"\0\0\0\x18ftypmp42".repeat(200)].concat()).light, want);
-    // jpeg-decoder 147: fill bytes before the marker.
-    assert_eq!(picture(&[open, &[0xff, 0xff, 0xff, 0xd9]].concat()).light, want);
 }
 
 #[test]
