@@ -4,7 +4,7 @@
 //!     cargo run --release --example wall_in_a_room -- examples/highlights/photograph.png docs/images/room-photograph.png
 //!
 //! A plate of 30 mm, a lamp of 5 mm across half a metre away and 45° aslant, a wall a metre away; as an eye sees it 3 m from
-//! the wall. Both plates are designed for the same lamp direction and the same picture.
+//! the wall. Both plates are designed for the same lamp direction and the same picture, without a cutter.
 
 use std::env;
 use std::error::Error;
@@ -33,6 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     knows.scene.lamp_distance = Some(500.0);
     knows.scene.lamp_radius = Some(2.5);
     knows.scene.wall = Some(1000.0);
+    // Nodes every 0.05 mm: a quarter of the default's triangles, and of its time.
+    knows.plate.grid = Some(200);
     let knows = knows.with_implied();
     let scene = knows.scene()?.ok_or("no scene")?;
     let far = Recipe { scene: SceneSettings::default(), ..knows.clone() };

@@ -1,68 +1,161 @@
-//! Two-dimensional transforms of grids of numbers, into waves or into cosines, on top of rustfft.
+//! Two-dimensional transforms of grids of real numbers, into waves (realfft, rustfft) or into cosines (rustdct).
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use rayon::prelude::*;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustdct::{DctPlanner, TransformType2And3};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
-/// A planned transform of `width` × `height` grids.
-pub(crate) struct Fourier {
-    rows: Line,
-    columns: Line,
+/// A planned transform of `width` × `height` grids into waves exp(i(ax + by)): opposite rims are joined.
+pub(crate) struct Waves {
+    width: usize,
+    height: usize,
+    rows: Arc<dyn RealToComplex<f64>>,
+    columns: Arc<dyn Fft<f64>>,
+    columns_back: Arc<dyn Fft<f64>>,
+    rows_back: Arc<dyn ComplexToReal<f64>>,
 }
 
-impl Fourier {
-    /// Plans transforms of row-major grids, `width` numbers a row, into waves exp(i(ax + by)): opposite rims are joined.
+impl Waves {
+    /// Plans transforms of row-major grids, `width` numbers a row.
     ///
     /// The angular frequencies a and b of index k are those of [`frequency`].
     pub fn new(width: usize, height: usize) -> Self {
-        Self { rows: Line::waves(width), columns: Line::waves(height) }
+        let (mut real, mut complex) = (RealFftPlanner::new(), FftPlanner::new());
+        Self {
+            width,
+            height,
+            rows: real.plan_fft_forward(width),
+            columns: complex.plan_fft_forward(height),
+            columns_back: complex.plan_fft_inverse(height),
+            rows_back: real.plan_fft_inverse(width),
+        }
     }
 
-    /// The same into cosines cos(a(x + ½)) cos(b(y + ½)): the grid is continued mirrored at every rim.
-    ///
-    /// The angular frequency of index k of n is πk/n radians a sample.
-    pub fn cosines(width: usize, height: usize) -> Self {
-        Self { rows: Line::cosines(width), columns: Line::cosines(height) }
+    /// How many frequencies along x are kept: 0 to half the width. Those of the rest are the conjugates of these, for the
+    /// grid is real.
+    const fn kept(&self) -> usize {
+        self.width / 2 + 1
     }
 
-    /// The waves (or cosines) that add up to the real grid `values`, of the planned size and not empty: that of
-    /// frequency indices (i, j) is number i · height + j, for waves Σ value(x, y) exp(-i(ax + by)).
-    pub(crate) fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
-        let mut waves: Vec<Complex64> = values.iter().map(|&v| Complex64::new(v, 0.0)).collect();
-        self.rows.forward(&mut waves);
+    /// The waves that add up to the real grid `values`, of the planned size and not empty: that of frequency indices
+    /// (i, j), i from 0 to half the width, is number i · height + j, Σ value(x, y) exp(-i(ax + by)).
+    pub fn spectrum(&self, values: &[f64]) -> Vec<Complex64> {
+        let mut waves = vec![Complex64::ZERO; self.kept() * self.height];
+        in_pieces(&mut waves, self.kept() * LINES, |piece, waves| {
+            let mut line = self.rows.make_input_vec();
+            let mut scratch = self.rows.make_scratch_vec();
+            let from = values[piece * LINES * self.width..].chunks(self.width);
+            for (values, waves) in from.zip(waves.chunks_mut(self.kept())) {
+                line.copy_from_slice(values);
+                // Fails for wrong lengths alone, which the plan excludes.
+                let _ = self.rows.process_with_scratch(&mut line, waves, &mut scratch);
+            }
+        });
         // Columns lie in rows of the transposed grid.
-        let mut waves = transposed(&waves, self.rows.length);
-        self.columns.forward(&mut waves);
+        let mut waves = transposed(&waves, self.kept());
+        self.each_column(&mut waves, &self.columns);
         waves
     }
 
-    /// Replaces the real grid `values`, of the planned size, by itself filtered: every wave (frequency indices i, j)
-    /// times `gain(i, j)`.
+    /// Replaces the real grid `values`, of the planned size, by itself filtered: every wave (frequency indices i, j, as in
+    /// [`spectrum`](Self::spectrum)) times `gain(i, j)`.
     ///
-    /// `gain` must be that of a real filter. For waves: gain(-i, -j) = conj(gain(i, j)), where indices run over
-    /// 0..width and 0..height, the upper halves being the negative frequencies. For cosines: real.
+    /// `gain` must be that of a real filter, gain(-i, -j) = conj(gain(i, j)), for which negative frequencies are not asked.
     pub fn filter(&self, values: &mut [f64], gain: impl Fn(usize, usize) -> Complex64 + Sync) {
         if values.is_empty() {
             return;
         }
-        let (width, height) = (self.rows.length, self.columns.length);
         let mut waves = self.spectrum(values);
-        let scale = 1.0 / (width * height) as f64;
-        in_pieces(&mut waves, height, |i, column| {
+        let scale = 1.0 / (self.width * self.height) as f64;
+        in_pieces(&mut waves, self.height, |i, column| {
             for (j, wave) in column.iter_mut().enumerate() {
                 *wave *= gain(i, j) * scale;
             }
         });
-        self.columns.inverse(&mut waves);
-        let mut waves = transposed(&waves, height);
-        self.rows.inverse(&mut waves);
-        for (value, wave) in values.iter_mut().zip(&waves) {
-            *value = wave.re;
-        }
+        self.each_column(&mut waves, &self.columns_back);
+        let waves = transposed(&waves, self.height);
+        in_pieces(values, self.width * LINES, |piece, values| {
+            let mut line = self.rows_back.make_input_vec();
+            let mut scratch = self.rows_back.make_scratch_vec();
+            let from = waves[piece * LINES * self.kept()..].chunks(self.kept());
+            for (waves, values) in from.zip(values.chunks_mut(self.width)) {
+                line.copy_from_slice(waves);
+                // The mean and, of even widths, the fastest wave are real but for rounding; realfft asks for zeros.
+                line[0].im = 0.0;
+                if self.width.is_multiple_of(2) {
+                    line[self.width / 2].im = 0.0;
+                }
+                let _ = self.rows_back.process_with_scratch(&mut line, values, &mut scratch);
+            }
+        });
     }
+
+    fn each_column(&self, columns: &mut [Complex64], plan: &Arc<dyn Fft<f64>>) {
+        in_pieces(columns, self.height * LINES, |_, columns| {
+            let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
+            plan.process_with_scratch(columns, &mut scratch);
+        });
+    }
+}
+
+/// A planned transform of `width` × `height` grids into cosines cos(a(x + ½)) cos(b(y + ½)): the grid is continued
+/// mirrored at every rim.
+pub(crate) struct Cosines {
+    width: usize,
+    height: usize,
+    rows: Arc<dyn TransformType2And3<f64>>,
+    columns: Arc<dyn TransformType2And3<f64>>,
+}
+
+impl Cosines {
+    /// Plans transforms of row-major grids, `width` numbers a row.
+    ///
+    /// The angular frequency of index k of n is πk/n radians a sample.
+    pub fn new(width: usize, height: usize) -> Self {
+        let mut planner = DctPlanner::new();
+        Self { width, height, rows: planner.plan_dct2(width), columns: planner.plan_dct2(height) }
+    }
+
+    /// Replaces the real grid `values`, of the planned size, by itself filtered: every cosine (frequency indices i, j)
+    /// times `gain(i, j)`.
+    pub fn filter(&self, values: &mut [f64], gain: impl Fn(usize, usize) -> f64 + Sync) {
+        if values.is_empty() {
+            return;
+        }
+        each_line(values, &self.rows, |rows, line, scratch| rows.process_dct2_with_scratch(line, scratch));
+        let mut cosines = transposed(values, self.width);
+        each_line(&mut cosines, &self.columns, |columns, line, scratch| {
+            columns.process_dct2_with_scratch(line, scratch)
+        });
+        // There and back multiplies by half the length, along x and along y.
+        let scale = 4.0 / (self.width * self.height) as f64;
+        in_pieces(&mut cosines, self.height, |i, column| {
+            for (j, cosine) in column.iter_mut().enumerate() {
+                *cosine *= gain(i, j) * scale;
+            }
+        });
+        each_line(&mut cosines, &self.columns, |columns, line, scratch| {
+            columns.process_dct3_with_scratch(line, scratch)
+        });
+        values.copy_from_slice(&transposed(&cosines, self.height));
+        each_line(values, &self.rows, |rows, line, scratch| rows.process_dct3_with_scratch(line, scratch));
+    }
+}
+
+/// `work(plan, line, scratch space)` for every line of `lines`.
+fn each_line(
+    lines: &mut [f64],
+    plan: &Arc<dyn TransformType2And3<f64>>,
+    work: impl Fn(&dyn TransformType2And3<f64>, &mut [f64], &mut [f64]) + Sync,
+) {
+    in_pieces(lines, plan.len() * LINES, |_, piece| {
+        let mut scratch = vec![0.0; plan.get_scratch_len()];
+        piece.chunks_mut(plan.len()).for_each(|line| work(plan.as_ref(), line, &mut scratch));
+    });
 }
 
 /// The angular frequency, radians a sample, of wave `k` of `n`.
@@ -87,89 +180,17 @@ pub(crate) fn even_smooth_size(n: usize) -> usize {
     2 * smooth_size(n.div_ceil(2))
 }
 
-/// Transforms of all lines of a grid. Forward and inverse together multiply by the length.
-struct Line {
-    length: usize,
-    forward: Arc<dyn Fft<f64>>,
-    inverse: Arc<dyn Fft<f64>>,
-    /// For cosines exp(-iπk/2n), which turns the spectrum of the folded line into them; empty for waves.
-    twiddles: Vec<Complex64>,
-}
-
-impl Line {
-    fn waves(length: usize) -> Self {
-        let mut planner = FftPlanner::new();
-        let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
-        Self { length, forward, inverse, twiddles: Vec::new() }
-    }
-
-    fn cosines(length: usize) -> Self {
-        let twiddle = |k: usize| Complex64::cis(-PI * k as f64 / (2 * length) as f64);
-        Self { twiddles: (0..length).map(twiddle).collect(), ..Self::waves(length) }
-    }
-
-    /// Waves or cosines of every line. For cosines the line is folded (even samples ascending, then odd ones
-    /// descending), whose spectrum V gives C_k = (t_k V_k + t̄_k V_{n-k})/2 with t = `twiddles` (Makhoul 1980).
-    fn forward(&self, lines: &mut [Complex64]) {
-        let n = self.length;
-        self.each(lines, &self.forward, |line, folded, transform| {
-            if self.twiddles.is_empty() {
-                return transform(line);
-            }
-            line.iter().enumerate().for_each(|(x, &value)| folded[fold(x, n)] = value);
-            transform(folded);
-            for (k, value) in line.iter_mut().enumerate() {
-                *value = 0.5 * (self.twiddles[k] * folded[k] + self.twiddles[k].conj() * folded[(n - k) % n]);
-            }
-        });
-    }
-
-    /// Undoes [`forward`](Self::forward) but for the factor n: V_k = t̄_k (C_k - i C_{n-k}), C_n = 0.
-    fn inverse(&self, lines: &mut [Complex64]) {
-        let n = self.length;
-        self.each(lines, &self.inverse, |line, folded, transform| {
-            if self.twiddles.is_empty() {
-                return transform(line);
-            }
-            for (k, value) in folded.iter_mut().enumerate() {
-                let mirrored = if k == 0 { Complex64::ZERO } else { line[n - k] };
-                *value = self.twiddles[k].conj() * (line[k] - Complex64::I * mirrored);
-            }
-            transform(folded);
-            line.iter_mut().enumerate().for_each(|(x, value)| *value = folded[fold(x, n)]);
-        });
-    }
-
-    /// `work(line, spare line, transform)` for every line.
-    fn each(
-        &self,
-        lines: &mut [Complex64],
-        plan: &Arc<dyn Fft<f64>>,
-        work: impl Fn(&mut [Complex64], &mut [Complex64], &mut dyn FnMut(&mut [Complex64])) + Sync,
-    ) {
-        // Enough lines a piece that the scratch space is not the work.
-        in_pieces(lines, self.length * 32, |_, piece| {
-            let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
-            let mut folded = vec![Complex64::ZERO; self.twiddles.len()];
-            let mut transform = |line: &mut [Complex64]| plan.process_with_scratch(line, &mut scratch);
-            piece.chunks_mut(self.length).for_each(|line| work(line, &mut folded, &mut transform));
-        });
-    }
-}
-
-/// Where sample x of a line of n goes when it is folded.
-const fn fold(x: usize, n: usize) -> usize {
-    if x.is_multiple_of(2) { x / 2 } else { n - 1 - x / 2 }
-}
+/// Lines that share one scratch space: enough that making it is not the work.
+const LINES: usize = 32;
 
 /// Lines of `length` become columns.
-fn transposed(waves: &[Complex64], length: usize) -> Vec<Complex64> {
+fn transposed<T: Copy + Default + Send + Sync>(grid: &[T], length: usize) -> Vec<T> {
     /// Lines of the result that are filled together, so that every piece of memory fetched is used.
     const BAND: usize = 16;
-    let lines = waves.len() / length;
-    let mut out = vec![Complex64::ZERO; waves.len()];
+    let lines = grid.len() / length;
+    let mut out = vec![T::default(); grid.len()];
     in_pieces(&mut out, lines * BAND, |band, columns| {
-        for (j, line) in waves.chunks(length).enumerate() {
+        for (j, line) in grid.chunks(length).enumerate() {
             for (i, column) in columns.chunks_mut(lines).enumerate() {
                 column[j] = line[band * BAND + i];
             }
@@ -181,7 +202,8 @@ fn transposed(waves: &[Complex64], length: usize) -> Vec<Complex64> {
 /// Below so many numbers, handing pieces to threads costs more than it saves.
 const WORTH_THREADS: usize = 1 << 14;
 
-fn in_pieces(values: &mut [Complex64], size: usize, work: impl Fn(usize, &mut [Complex64]) + Sync) {
+/// `work(index, piece)` for every piece of `size` values, on several threads where that is worth it.
+fn in_pieces<T: Send>(values: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync) {
     if values.len() < WORTH_THREADS {
         values.chunks_mut(size).enumerate().for_each(|(k, piece)| work(k, piece));
     } else {
@@ -191,6 +213,8 @@ fn in_pieces(values: &mut [Complex64], size: usize, work: impl Fn(usize, &mut [C
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]
@@ -205,7 +229,7 @@ mod tests {
         for (w, h) in [(7, 5), (1, 7), (33, 41), (149, 115)] {
             let grid: Vec<f64> = (0..w * h).map(|k| ((k * k) % 17) as f64).collect();
             let mut moved = grid.clone();
-            Fourier::new(w, h).filter(&mut moved, |i, j| Complex64::cis(-frequency(i, w) - 2.0 * frequency(j, h)));
+            Waves::new(w, h).filter(&mut moved, |i, j| Complex64::cis(-frequency(i, w) - 2.0 * frequency(j, h)));
             for (k, value) in moved.iter().enumerate() {
                 let from = (k % w + w - 1) % w + (k / w + h - 2) % h * w;
                 assert!((value - grid[from]).abs() < 1e-9);
@@ -215,11 +239,12 @@ mod tests {
 
     #[test]
     fn the_mean_is_the_wave_of_no_frequency() {
-        for fourier in [Fourier::new(8, 5), Fourier::cosines(8, 5)] {
-            let mut grid: Vec<f64> = (0..40).map(f64::from).collect();
-            fourier.filter(&mut grid, |i, j| Complex64::from(f64::from(u8::from(i + j == 0))));
-            assert!(grid.iter().all(|v| (v - 19.5).abs() < 1e-9));
-        }
+        let mean = |i: usize, j: usize| f64::from(u8::from(i + j == 0));
+        let grid: Vec<f64> = (0..40).map(f64::from).collect();
+        let (mut waves, mut cosines) = (grid.clone(), grid);
+        Waves::new(8, 5).filter(&mut waves, |i, j| Complex64::from(mean(i, j)));
+        Cosines::new(8, 5).filter(&mut cosines, mean);
+        assert!(waves.iter().chain(&cosines).all(|v| (v - 19.5).abs() < 1e-9));
     }
 
     #[test]
@@ -229,7 +254,7 @@ mod tests {
             let (slow, fast) = ((w / 3, h / 4), (w - 1, h - 1));
             let at = |(i, j): (usize, usize), k: usize| cosine(i, k % w, w) * cosine(j, k / w, h);
             let mut grid: Vec<f64> = (0..w * h).map(|k| 2.0 * at(slow, k) + at(fast, k)).collect();
-            Fourier::cosines(w, h).filter(&mut grid, |i, j| Complex64::from(10.0 * i as f64 + j as f64));
+            Cosines::new(w, h).filter(&mut grid, |i, j| 10.0 * i as f64 + j as f64);
             let gain = |(i, j): (usize, usize)| (10 * i + j) as f64;
             for (k, value) in grid.iter().enumerate() {
                 let expected = 2.0 * gain(slow) * at(slow, k) + gain(fast) * at(fast, k);

@@ -10,6 +10,7 @@ use crate::setup::Setup;
 /// What a pixel's value says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Quantity {
     /// How bright the plate looks from that direction (the slice of its BRDF).
     #[default]

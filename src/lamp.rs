@@ -42,6 +42,7 @@ pub struct DistantLamp {
 
 /// What a lamp is to a place that it shines on, around the direction of its middle.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Extent {
     /// All light comes from one direction.
     #[default]

@@ -248,7 +248,7 @@ mod tests {
         let f = bowl.scene.focal_length();
         let rise = bowl.base(DVec2::new(15.0, 0.0)) - bowl.base(DVec2::ZERO);
         assert!((rise / (225.0 / (4.0 * f)) - 1.0).abs() < 1e-3);
-        assert!(bowl.mean_height().abs() < 1e-6 && bowl.base(DVec2::ZERO) < 0.0);
+        assert!(bowl.mean_height().abs() < 1e-4 && bowl.base(DVec2::ZERO) < 0.0);
         assert!((bowl.sag() / (450.0 / (4.0 * f)) - 1.0).abs() < 1e-3);
     }
 

@@ -112,6 +112,7 @@ impl Stage {
 
 /// What long work says of itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Event<'a> {
     /// A stage begins, the one before it is over; and what is to be said of it, if anything.
     Stage(Stage, Option<&'a str>),

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 /// How directions are laid out on the image plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Projection {
     /// o.xy - c.xy = sin H · (u, v), in the plate's own axes.
     #[default]

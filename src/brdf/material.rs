@@ -17,6 +17,7 @@ use crate::slope::{flat_mirror, mirror};
 
 /// What reflects.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Substance {
     /// Reflects everything at every angle.
     Mirror,

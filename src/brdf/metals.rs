@@ -6,6 +6,7 @@
 
 /// A metal of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Metal {
     /// Evaporated aluminium. A. D. Rakić, Appl. Opt. 34, 4755 (1995).
     Aluminium,

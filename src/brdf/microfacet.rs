@@ -15,13 +15,16 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 use thiserror::Error;
 
-use super::erf::{erf, inverse_erf};
+use libm::erf;
+
+use super::erf::inverse_erf;
 
 /// 1/√π.
 const INV_SQRT_PI: f64 = 0.5 * FRAC_2_SQRT_PI;
 
 /// The law of the facets' slopes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum MicrofacetDistribution {
     /// Trowbridge-Reitz, with a long tail. Walter et al., EGSR 2007.
     Ggx,

@@ -24,6 +24,9 @@ const SHOWN_SLOPE: f64 = 0.75;
 /// Linear colours of the lowest and the highest ground.
 const LOW: DVec3 = DVec3::new(0.50, 0.58, 0.70);
 const HIGH: DVec3 = DVec3::new(1.0, 0.96, 0.89);
+/// Room for the labels of heights at the left, in units of the page.
+const LABELS: f64 = 80.0;
+
 /// About how many contour lines a relief has.
 const CONTOURS: f64 = 9.0;
 
@@ -59,7 +62,8 @@ impl ReliefPicture<'_> {
             let plan = FacetPlan { relief, low, high, exaggeration, pixel: size.x / f64::from(width) };
             (plan.picture(width, height), exaggeration)
         };
-        let step = round_below((high.z - low.z) / CONTOURS).filter(|step| *step > 1e-7);
+        // Between walls lines would only be pieces.
+        let step = round_below((high.z - low.z) / CONTOURS).filter(|step| self.continuous && *step > 1e-7);
         if let Some(step) = step {
             heights.contours(&mut plan, step);
         }
@@ -67,8 +71,8 @@ impl ReliefPicture<'_> {
         let margin = unit.px(40.0);
         let (wide, tall) = (i64::from(width), i64::from(height));
         // A narrow plate still leaves room for its caption.
-        let page_width = (wide + 2 * margin).max(unit.px(640.0)) + unit.px(60.0);
-        let (left, bottom) = (margin + unit.px(60.0), margin + tall);
+        let page_width = (wide + 2 * margin).max(unit.px(640.0)) + unit.px(LABELS);
+        let (left, bottom) = (margin + unit.px(LABELS), margin + tall);
         let mut page = Page::new(page_width, bottom + unit.px(330.0));
         page.put(&plan, (left, margin), |colour| colour);
         page.frame([left, margin, wide, tall], unit.hair(), PLAN_LINE);
@@ -82,7 +86,7 @@ impl ReliefPicture<'_> {
         };
         words(0, &caption(relief, self.made_of, exaggeration));
         let lines = step.map(|step| format!("contour lines every {} · ", length_text(step))).unwrap_or_default();
-        words(1, &format!("{lines}below: the section at the marks"));
+        words(1, &format!("{lines}the section is at the marks"));
         page.image
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rustfft::num_complex::Complex64;
 
 use crate::facets::SlopeGrid;
-use crate::fourier::Fourier;
+use crate::fourier::{Cosines, Waves};
 
 /// Heights (mm, at the middles of the cells, in the grid's order, mean zero) whose walls are lowest in the least
 /// squares: they minimise the integral of the squared step over all shared edges, those across the rim included if
@@ -90,31 +90,41 @@ pub fn weyrich2009(grid: &SlopeGrid, pitch: DVec2) -> Vec<f64> {
 /// Σ_n w (c_k - c_n) = field_k on a grid, with `weight.x` on x-edges and `weight.y` on y-edges, ready to be solved.
 struct Poisson {
     weight: DVec2,
-    fourier: Fourier,
+    transform: Transform,
     /// What the second difference does to each wave along x and y.
     eigenvalues: [Vec<f64>; 2],
+}
+
+/// What diagonalises the second difference.
+enum Transform {
+    Cyclic(Waves),
+    Free(Cosines),
 }
 
 impl Poisson {
     /// On a cyclic grid waves diagonalise the second difference, on a free one cosines.
     fn new(columns: usize, rows: usize, weight: DVec2, periodic: bool) -> Self {
-        let (fourier, turn) = match periodic {
-            true => (Fourier::new(columns, rows), TAU),
-            false => (Fourier::cosines(columns, rows), PI),
+        let (transform, turn) = match periodic {
+            true => (Transform::Cyclic(Waves::new(columns, rows)), TAU),
+            false => (Transform::Free(Cosines::new(columns, rows)), PI),
         };
         // 4 sin² of half the phase from cell to cell, exactly 0 for the mean.
         let eigenvalue = |k: usize, n: usize| 4.0 * (0.5 * turn * k as f64 / n as f64).sin().powi(2);
         let eigenvalues = [columns, rows].map(|n| (0..n).map(|k| eigenvalue(k, n)).collect());
-        Self { weight, fourier, eigenvalues }
+        Self { weight, transform, eigenvalues }
     }
 
     /// The mean-zero solution c for one field, in the grid's order.
     fn solve(&self, mut field: Vec<f64>) -> Vec<f64> {
-        let Self { weight, fourier, eigenvalues: [x, y] } = self;
-        fourier.filter(&mut field, |i, j| {
+        let Self { weight, transform, eigenvalues: [x, y] } = self;
+        let gain = |i: usize, j: usize| {
             let eigenvalue = weight.x * x[i] + weight.y * y[j];
-            Complex64::from(if eigenvalue > 0.0 { 1.0 / eigenvalue } else { 0.0 })
-        });
+            if eigenvalue > 0.0 { 1.0 / eigenvalue } else { 0.0 }
+        };
+        match transform {
+            Transform::Cyclic(waves) => waves.filter(&mut field, |i, j| Complex64::from(gain(i, j))),
+            Transform::Free(cosines) => cosines.filter(&mut field, gain),
+        }
         field
     }
 }

@@ -36,6 +36,7 @@ pub struct Export {
 
 /// When a file is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum When {
     /// With every design.
     Always,

@@ -110,7 +110,8 @@ fn laid_on_white(pixels: &Pixels, light: &Raster, share: f64) -> Vec<String> {
     );
     let opacity = |k: usize| pixels.opacity(k).max(0.0);
     let drawn: f64 = (0..light.values.len()).map(opacity).sum();
-    let dark = |k: &usize| light.values[*k] <= BLACK_INK * light.max();
+    let least = BLACK_INK * light.max();
+    let dark = |k: &usize| light.values[*k] <= least;
     let lost = (0..light.values.len()).filter(dark).map(opacity).sum::<f64>() / drawn;
     let white = || format!("{} of what is drawn is white and gives no light so.", percent(lost));
     [note].into_iter().chain((lost >= 0.001).then(white)).collect()

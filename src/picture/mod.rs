@@ -72,6 +72,7 @@ pub const MAX_FILE: u64 = 512 << 20;
 /// How the numbers of a picture stand for light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Encoding {
     /// As the file states; else 8-bit values are sRGB, 16-bit and float values linear.
     #[default]
@@ -85,6 +86,7 @@ pub enum Encoding {
 /// How a picture that is not square fills the square field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum PictureFit {
     /// The longer side fills the field, the rest is black. Pixel values stay as they are; where the bars cannot be
     /// equal, the right or the lower one is a pixel wider.

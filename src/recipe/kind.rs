@@ -8,6 +8,7 @@ use super::{Recipe, RecipeError};
 /// Kinds of relief.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum SurfaceKind {
     /// Planar facets, as in the 2009 paper.
     #[serde(rename = "facets", alias = "flat")]

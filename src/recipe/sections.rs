@@ -165,6 +165,7 @@ impl Default for DesignSettings {
 /// Ways to order facets on the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Arrangement {
     /// Optimal transport: a dome without valleys.
     #[default]
@@ -178,6 +179,7 @@ pub enum Arrangement {
 /// Ways to raise facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Heights {
     /// Smallest steps in the mean square, edges free.
     Free,

@@ -12,6 +12,7 @@ use crate::slope::Slope;
 
 /// What a mesh was found to be.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Recognised {
     /// A plane over each rectangle.
     Facets(FacetedRelief),

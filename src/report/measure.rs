@@ -217,6 +217,7 @@ pub struct ViewFacts {
 
 /// What a relief is wrapped on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub enum ShapeFacts {
     /// Nothing.
     #[serde(rename = "flat")]

@@ -8,7 +8,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec2;
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
@@ -65,7 +65,7 @@ impl Matching {
             // x ← x + match(2s - x) - s, s = the slopes of the relief nearest to x.
             let mut matched: Vec<[f32; 2]> = blend(&slopes, &state, |s, x| 2.0 * s - x);
             for _ in 0..PAIRS {
-                let angle = PI * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+                let angle = PI * rng.random::<f64>();
                 self.match_along(&mut matched, angle);
                 self.match_along(&mut matched, angle + 0.5 * PI);
             }

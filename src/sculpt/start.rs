@@ -1,7 +1,7 @@
 //! First reliefs, from which the design descends: which one ends best depends on the picture, so that several are tried.
 
 use glam::DVec2;
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -52,7 +52,7 @@ impl Start {
             Self::Roof => (0..n * n).map(|k| -(spread * at(k).abs()).element_sum() as f32).collect(),
             Self::Hills(hills) => {
                 let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed ^ u64::from(hills));
-                let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                let mut unit = || rng.random::<f64>() - 0.5;
                 let mut z: Vec<f32> = (0..n * n).map(|_| unit() as f32).collect();
                 let filter = PeriodicFilter::new(n);
                 // Waves of about as many periods a side as hills are wanted, within a standard deviation of 0.7 periods:

@@ -10,6 +10,7 @@ use super::mesh::{MeshSurface, MeshSurfaceError};
 
 /// A plate ready for rays: on its grid if its relief stands on one, else as triangles in a tree.
 #[derive(Clone)]
+#[non_exhaustive]
 pub enum TracedPlate {
     /// A plane over each rectangle of a grid.
     Facets(GridSurface<FacetPlanes>),

@@ -6,7 +6,7 @@
 //! grid. Of a relief that repeats, a window of one cell holds every square of the cell once wherever it lies, so that all
 //! such windows look the same; half a cell along each side holds a quarter of them.
 
-use rand::{Rng, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
@@ -87,7 +87,7 @@ pub fn misplaced_by_a_cell(
 /// Lower left corners of windows of `side` squares a side, spread over the cell.
 fn places(relief: &PeriodicRelief, side: usize, seed: u64) -> Vec<[usize; 2]> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut unit = || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut unit = || random.random::<f64>();
     // Where there is but one cell, a window that reaches over its rim would lie half beyond the plate.
     let room = relief.cells.map(|cells| if cells > 1 { relief.nodes } else { relief.nodes + 1 - side });
     let mut along = |part: usize, room: usize| {

@@ -20,6 +20,7 @@ mod publishing;
 mod reports;
 mod stopping;
 mod telling;
+mod verify;
 
 use std::fs;
 use std::path::Path;

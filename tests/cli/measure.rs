@@ -90,6 +90,18 @@ fn measured(home: &Path, line: &str) -> Value {
 }
 
 #[test]
+fn rays_of_a_look_are_for_each_pixel_and_one_is_enough() {
+    let home = designed();
+    let line = |rays: u64| format!("ring -o look{rays} --look --light-radius 2 --resolution 16 --rays {rays}");
+    // From as many as there are pixels on, the number is that of all of them together, as it always was.
+    for (rays, each) in [(1, 1.0), (64, 64.0), (255, 255.0), (25_600, 100.0)] {
+        assert_eq!(number(&measured(home.path(), &line(rays))["paths_a_pixel"]), each, "{rays}");
+    }
+    let refused = run_line(home.path(), "measure ring -o none --look --light-radius 2 --rays 0");
+    assert_refused(&refused, 2, &["--rays is 0", "from 1"]);
+}
+
+#[test]
 fn each_way_leaves_the_files_it_says_for_a_design_and_for_a_plain_stl() {
     let home = designed();
     for (k, (flags, files)) in WAYS.iter().enumerate() {

@@ -203,7 +203,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 #[test]
 fn help_names_every_flag_of_the_contract() {
     let home = home();
-    let told = run_line(home.path(), "design --help");
+    let told = run_line(home.path(), "design --help-all");
     assert_done(&told);
     for flag in
         "half-field projection quantity seen light light-radius lobe size facets cells thickness border border-finish surface grid \

@@ -53,7 +53,6 @@ impl Stages {
     /// Takes an event of the library.
     pub fn hear(&self, event: Event<'_>) {
         match (self.how, event) {
-            (How::Silent, _) | (How::Lines, Event::Fraction(_)) => {}
             (How::Lines, Event::Stage(stage, note)) => {
                 let note = note.map(|note| format!(" ({note})")).unwrap_or_default();
                 let _ = writeln!(io::stderr(), "  {}{note}", stage.words());
@@ -64,6 +63,8 @@ impl Stages {
                     bar.set_position(((WHOLE as f64 * done) as u64).min(LAST));
                 }
             }
+            // Without a bar nothing tells how far a stage has come.
+            _ => {}
         }
     }
 

@@ -1,9 +1,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::erf::erf;
 use super::*;
 use crate::slope::direction;
+use libm::erf;
 
 const ALL: [&str; 16] = [
     "mirror",

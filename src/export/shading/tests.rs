@@ -64,7 +64,7 @@ fn any_shape_of_plate_is_drawn_with_its_aspect_and_the_same_each_time() {
 fn the_section_is_a_profile_in_millimetres() {
     // A ramp along x: its section rises from the lower left to the upper right of its strip.
     let page = picture(&one(Slope::new(0.1, 0.0), DVec2::new(10.0, 10.0)), 900);
-    let (left, bottom) = (100, 940);
+    let (left, bottom) = (120, 940);
     let highest = |x: u32| (bottom + 74 - 4..bottom + 74 + 110).find(|y| page.get_pixel(x, *y) != &PAGE).unwrap();
     let (start, middle, end) = (highest(left + 30), highest(left + 450), highest(left + 870));
     assert!(start > middle + 40 && middle > end + 40, "{start} {middle} {end}");

@@ -68,6 +68,12 @@ fn join_end(line: &mut Vec<u8>) {
     }
 }
 
+/// Words of a solid, or the beginning of its first: behind a solid they are not rubbish but one more that is damaged.
+fn belongs_to_a_solid(word: &[u8]) -> bool {
+    let words = [&b"facet"[..], b"outer", b"vertex", b"endloop", b"endfacet"];
+    words.contains(&word) || b"solid".starts_with(word)
+}
+
 /// A line that is empty or begins as comments do.
 fn is_comment(line: &[u8]) -> bool {
     let line = line.trim_ascii();
@@ -159,7 +165,7 @@ impl<R: BufRead + Seek> Lines<R> {
                 (stage, Some("\n"))
             }
             (_, stage @ Stage::Facet) => (stage, None),
-            (_, stage @ Stage::Outside) if self.solids > 0 => {
+            (word, stage @ Stage::Outside) if self.solids > 0 && !belongs_to_a_solid(word) => {
                 self.behind += 1;
                 (stage, Some("\n"))
             }

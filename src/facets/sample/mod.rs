@@ -23,6 +23,7 @@ use crate::raster::Raster;
 /// How the facets are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[non_exhaustive]
 pub enum Sampling {
     /// Centres of centroidal cells of equal mass, then moved until the blurred light agrees.
     #[default]

@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex64;
 
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
-use crate::fourier::{Fourier, even_smooth_size, frequency};
+use crate::fourier::{Waves, even_smooth_size, frequency};
 use crate::progress::Progress;
 
 /// Standard deviation of the comparison's blur, in units of the facets' mean spacing. A finer one would ask the points
@@ -44,7 +44,7 @@ struct Field<'a> {
     pixel: f64,
     low: f64,
     target: Vec<f64>,
-    fourier: Fourier,
+    waves: Waves,
     gain: Vec<f64>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Field<'a> {
             })
             .collect();
         let low = -1.0 - margin as f64 * pixel;
-        Self { distribution, spacing, side, pixel, low, target, fourier: Fourier::new(side, side), gain }
+        Self { distribution, spacing, side, pixel, low, target, waves: Waves::new(side, side), gain }
     }
 
     /// The loss of points `x` (u, v in turn) and its gradient.
@@ -94,7 +94,7 @@ impl<'a> Field<'a> {
             difference[k + self.side + 1] += share * a * b;
         }
         let mut potential = difference.clone();
-        self.fourier.filter(&mut potential, |i, j| Complex64::new(self.gain[j * self.side + i], 0.0));
+        self.waves.filter(&mut potential, |i, j| Complex64::new(self.gain[j * self.side + i], 0.0));
         for ((p, f), g) in x.chunks(2).zip(&flux).zip(gradient.chunks_mut(2)) {
             let (k, a, b) = self.corner(p);
             let [p00, p10, p01, p11] = [0, 1, self.side, self.side + 1].map(|d| potential[k + d]);

@@ -64,6 +64,7 @@ pub struct Setting {
 
 /// What a setting is about: a heading of the help, or of a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Section {
     /// The picture and the lamp.
     Optics,
@@ -118,6 +119,7 @@ pub struct Word {
 
 /// Unit of a setting's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Unit {
     /// None: counts, words.
     None,

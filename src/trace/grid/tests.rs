@@ -1,6 +1,6 @@
 //! Known answers, brute force, and rays aimed where grids are weakest.
 
-use rand::{Rng, SeedableRng};
+use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
@@ -19,8 +19,7 @@ fn relief(columns: usize, rows: usize, facet: impl Fn(usize, usize) -> (f64, f64
 
 fn random(columns: usize, rows: usize, seed: u64) -> GridSurface {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let values: Vec<f64> =
-        (0..3 * columns * rows).map(|_| (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64 - 0.5).collect();
+    let values: Vec<f64> = (0..3 * columns * rows).map(|_| rng.random::<f64>() - 0.5).collect();
     relief(columns, rows, |i, j| {
         let k = 3 * (j * columns + i);
         (values[k], values[k + 1], values[k + 2])
@@ -43,7 +42,7 @@ fn a_right_angled_groove_sends_light_back_after_two_bounces() {
     let plate = relief(2, 1, |i, _| if i == 0 { (0.5, -1.0, 0.0) } else { (0.5, 1.0, 0.0) });
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
     for _ in 0..1000 {
-        let x = 2.0 * (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        let x = 2.0 * rng.random::<f64>();
         let mut d = -DVec3::Z;
         let mut hit = plate.first(DVec3::new(x, 0.5, 3.0), d).unwrap();
         let mut bounces = 0;
@@ -112,7 +111,7 @@ fn the_walk_finds_what_fine_steps_along_the_ray_find() {
     let plate = random(6, 6, 11);
     let height = |at: DVec3| plate.field.height(plate.x.interval(at.x), plate.y.interval(at.y), at.x, at.y);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(23);
-    let mut unit = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+    let mut unit = || rng.random::<f64>();
     for _ in 0..300 {
         let l = direction(1.3 * unit(), std::f64::consts::TAU * unit());
         let from = DVec3::new(6.0 * unit(), 6.0 * unit(), plate.heights.1 + 1e-6);

@@ -16,6 +16,8 @@ pub fn check(args: &MeasureArgs) -> Result<(), Failure> {
         brdf::axes(args)?;
     }
     whole("resolution", args.resolution, 16, if args.wall.is_some() { WallSettings::MOST_PIXELS } else { 4096 })?;
+    let most = 100_000_000_000;
+    whole("rays", args.rays().filter(|_| args.look).map(|rays| usize::try_from(rays).unwrap_or(usize::MAX)), 1, most)?;
     whole("max-bounces", args.max_bounces.map(|n| n as usize), 1, 1000)?;
     within("margin", args.margin, (0.0, 10_000.0))?;
     within("lamp-half-field", args.lamp_half_field, (0.01, 60.0))?;

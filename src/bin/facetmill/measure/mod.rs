@@ -161,6 +161,10 @@ fn recipe(args: &MeasureArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
     let usual = Recipe::default();
     (recipe.design.seed, recipe.verify) = (usual.design.seed, usual.verify);
     args.settings.apply(&mut recipe);
+    if args.look {
+        // There it is a number for each pixel, with a range of its own.
+        recipe.verify = usual.verify;
+    }
     recipe.check().map_err(|error| Failure::Usage(format!("--{error}")))?;
     Ok(recipe)
 }

@@ -1,0 +1,144 @@
+//! `facetmill verify` as a shop uses it: a folder, a limit, plates that lie otherwise than they should.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use facetmill::export::stl::{read_stl, write_stl};
+use facetmill::relief::mesh::Mesh;
+use facetmill::relief::placement::{Axis, faces_turned, scaled, upright};
+use serde_json::Value;
+
+use crate::program::{facetmill, finish, home, listing, run_line};
+use crate::{assert_done, assert_refused, json};
+
+const PLATE: &str = "design ring.png -o ring --facets 16x16 --rays 100000 --half-field 15";
+
+fn tv(report: &Value, part: &str) -> f64 {
+    report[part]["tv_incident"]["1"].as_f64().unwrap()
+}
+
+/// What verifying a mesh in `home` says, and its report.
+fn verified(home: &Path, mesh: &Mesh, flags: &str) -> (String, Value) {
+    let mut file = BufWriter::new(File::create(home.join("turned.stl")).unwrap());
+    write_stl(mesh, &mut file).unwrap();
+    file.flush().unwrap();
+    let line = format!("verify turned.stl --against ring.png --half-field 15 --rays 60000 {flags}");
+    let done = run_line(home, &line);
+    assert_done(&done);
+    let report = run_line(home, &format!("{line} --json"));
+    (done.stdout, serde_json::from_str(&report.stdout).unwrap())
+}
+
+#[test]
+fn a_designs_folder_is_verified_by_itself_and_a_limit_decides_the_exit_code() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    let before = listing(home.path());
+    let done = run_line(home.path(), "verify ring --rays 100000");
+    assert_done(&done);
+    assert_eq!(listing(home.path()), before, "without -o nothing is written");
+    let kept = run_line(home.path(), "verify ring --rays 100000 --at-most 0.5 --json");
+    assert_done(&kept);
+    let report: Value = serde_json::from_str(&kept.stdout).unwrap();
+    let designed = json(home.path().join("ring/report.json"));
+    assert!((tv(&report, "measured") - tv(&designed, "designed")).abs() < 0.01, "{report}");
+    assert_eq!((&report["at_most"]["kept"], &report["at_most"]["as_milled"]), (&true.into(), &false.into()));
+    assert_eq!(report["highlight"]["half_field"], 15.0);
+    let beyond = run_line(home.path(), "verify ring --rays 100000 --at-most 0.001@0.5 -o proof");
+    assert_eq!(beyond.code, Some(1), "{beyond:?}");
+    assert!(beyond.stderr.contains("--at-most") && beyond.stdout.contains("not kept"), "{beyond:?}");
+    assert!(home.path().join("proof/comparison.png").exists(), "the proof of what is worse is there");
+    let told = run_line(home.path(), "verify ring --rays 100000 --at-most 0.1% --json");
+    assert_eq!(told.code, Some(1));
+    assert_eq!(serde_json::from_str::<Value>(&told.stdout).unwrap()["at_most"]["kept"], false);
+    // The drawing is the recipe's; where it is gone, that is told.
+    fs::rename(home.path().join("ring.png"), home.path().join("elsewhere.png")).unwrap();
+    assert_refused(&run_line(home.path(), "verify ring"), 3, &["ring.png", "--against"]);
+    assert_done(&run_line(home.path(), "verify ring --against elsewhere.png --rays 20000"));
+    assert_refused(&run_line(home.path(), "verify ring/plate.stl"), 2, &["--against"]);
+    for wrong in ["0", "2", "0.1@0", "much"] {
+        assert_refused(&run_line(home.path(), &format!("verify ring --at-most {wrong}")), 2, &["--at-most"]);
+    }
+}
+
+#[test]
+fn a_folder_with_a_cutter_is_milled_again_with_the_designs_own_figures() {
+    let home = home();
+    for (name, flags) in [
+        ("facets", "--facets 12x12 --for-cutter ball:1 --border 2"),
+        ("sheet", "--surface continuous --grid 64 --cells 2 --size 20x20 --for-cutter ball:1 --border 1"),
+    ] {
+        assert_done(&run_line(home.path(), &format!("design ring.png -o {name} --rays 100000 {flags}")));
+        let done = run_line(home.path(), &format!("verify {name} --rays 100000 --at-most 0.9 --json"));
+        assert_done(&done);
+        let report: Value = serde_json::from_str(&done.stdout).unwrap();
+        let designed = json(home.path().join(name).join("report.json"));
+        let (again, first) = (tv(&report, "as_milled"), tv(&designed, "as_milled"));
+        assert!((again - first).abs() < 0.01, "{name}: {again} {first}");
+        let left = |report: &Value| report["as_milled"]["left_by_cutter_um"].as_f64().unwrap();
+        assert!((left(&report) - left(&designed)).abs() < 0.1 + 0.02 * left(&designed), "{name}");
+        assert_eq!(report["at_most"]["as_milled"], true, "{name}");
+    }
+}
+
+#[test]
+fn a_plate_that_lies_otherwise_is_told_with_the_flag_that_mends_it() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    let mesh = read_stl(&mut File::open(home.path().join("ring/plate.stl")).unwrap()).unwrap();
+    let (said, report) = verified(home.path(), &mesh, "");
+    let right = tv(&report, "measured");
+    assert!(right < 0.2 && !said.contains("--flip") && !said.contains("--up"), "{said}");
+    let over = upright(mesh.clone(), Axis::MinusZ);
+    for (turned, word, flags) in [
+        (over.clone(), "--flip", "--flip"),
+        (over, "--flip", "--up=-z"),
+        (upright(mesh.clone(), Axis::MinusY), "--up y", "--up y"),
+        (upright(mesh.clone(), Axis::X), "--up -x", "--up -x"),
+        (scaled(mesh.clone(), 0.1 / 25.4), "--unit in", "--unit in"),
+    ] {
+        let line = "verify turned.stl --against ring.png --half-field 15 --rays 60000";
+        let mut file = BufWriter::new(File::create(home.path().join("turned.stl")).unwrap());
+        write_stl(&turned, &mut file).unwrap();
+        file.flush().unwrap();
+        let lost = run_line(home.path(), line);
+        assert!(lost.code == Some(4) || lost.stdout.contains(word), "{word}: {lost:?}");
+        let (said, report) = verified(home.path(), &turned, flags);
+        let mended = tv(&report, "measured");
+        // Turned about an axis the ring is a ring still.
+        assert!((mended - right).abs() < 0.02, "{flags}: {mended} {right} {said}");
+    }
+    let (said, report) = verified(home.path(), &faces_turned(mesh), "");
+    assert!(said.contains("inside out") && (tv(&report, "measured") - right).abs() < 0.02, "{said}");
+}
+
+#[test]
+fn a_drawing_that_is_turned_is_told_and_nothing_passes_without_a_word() {
+    let home = home();
+    let corner = image::GrayImage::from_fn(48, 48, |x, y| image::Luma([if x < 20 && y > 30 { 255 } else { 0 }]));
+    corner.save(home.path().join("corner.png")).unwrap();
+    image::imageops::rotate90(&corner).save(home.path().join("turned.png")).unwrap();
+    assert_done(&run_line(home.path(), "design corner.png -o corner --facets 12x12 --rays 60000"));
+    let said = run_line(home.path(), "verify corner --against turned.png --rays 60000").stdout;
+    assert!(said.contains("if the drawing is turned by 90°"), "{said}");
+    let said = run_line(home.path(), "verify corner --against ring.png --rays 60000").stdout;
+    assert!(said.contains("may not belong together"), "{said}");
+}
+
+#[test]
+fn a_picture_comes_through_a_pipe() {
+    let home = home();
+    let bytes = fs::read(home.path().join("ring.png")).unwrap();
+    let mut child = facetmill()
+        .current_dir(home.path())
+        .args(["design", "-", "-o", "piped", "--facets", "6x6", "--no-verify"])
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(&bytes).unwrap();
+    assert_done(&finish(child));
+    assert_done(&run_line(home.path(), "design ring.png -o named --facets 6x6 --no-verify"));
+    let plate = |folder: &str| fs::read(home.path().join(folder).join("plate.stl")).unwrap();
+    assert!(plate("piped") == plate("named"));
+}
