@@ -10,7 +10,7 @@ use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
 /// A planned transform of `width` × `height` grids into waves exp(i(ax + by)): opposite rims are joined.
-pub(crate) struct Waves {
+pub(crate) struct WaveTransform {
     width: usize,
     height: usize,
     rows: Arc<dyn RealToComplex<f64>>,
@@ -19,7 +19,7 @@ pub(crate) struct Waves {
     rows_back: Arc<dyn ComplexToReal<f64>>,
 }
 
-impl Waves {
+impl WaveTransform {
     /// Plans transforms of row-major grids, `width` numbers a row.
     ///
     /// The angular frequencies a and b of index k are those of [`frequency`].
@@ -104,14 +104,14 @@ impl Waves {
 
 /// A planned transform of `width` × `height` grids into cosines cos(a(x + ½)) cos(b(y + ½)): the grid is continued
 /// mirrored at every rim.
-pub(crate) struct Cosines {
+pub(crate) struct CosineTransform {
     width: usize,
     height: usize,
     rows: Arc<dyn TransformType2And3<f64>>,
     columns: Arc<dyn TransformType2And3<f64>>,
 }
 
-impl Cosines {
+impl CosineTransform {
     /// Plans transforms of row-major grids, `width` numbers a row.
     ///
     /// The angular frequency of index k of n is πk/n radians a sample.
@@ -229,7 +229,8 @@ mod tests {
         for (w, h) in [(7, 5), (1, 7), (33, 41), (149, 115)] {
             let grid: Vec<f64> = (0..w * h).map(|k| ((k * k) % 17) as f64).collect();
             let mut moved = grid.clone();
-            Waves::new(w, h).filter(&mut moved, |i, j| Complex64::cis(-frequency(i, w) - 2.0 * frequency(j, h)));
+            WaveTransform::new(w, h)
+                .filter(&mut moved, |i, j| Complex64::cis(-frequency(i, w) - 2.0 * frequency(j, h)));
             for (k, value) in moved.iter().enumerate() {
                 let from = (k % w + w - 1) % w + (k / w + h - 2) % h * w;
                 assert!((value - grid[from]).abs() < 1e-9);
@@ -242,8 +243,8 @@ mod tests {
         let mean = |i: usize, j: usize| f64::from(u8::from(i + j == 0));
         let grid: Vec<f64> = (0..40).map(f64::from).collect();
         let (mut waves, mut cosines) = (grid.clone(), grid);
-        Waves::new(8, 5).filter(&mut waves, |i, j| Complex64::from(mean(i, j)));
-        Cosines::new(8, 5).filter(&mut cosines, mean);
+        WaveTransform::new(8, 5).filter(&mut waves, |i, j| Complex64::from(mean(i, j)));
+        CosineTransform::new(8, 5).filter(&mut cosines, mean);
         assert!(waves.iter().chain(&cosines).all(|v| (v - 19.5).abs() < 1e-9));
     }
 
@@ -254,7 +255,7 @@ mod tests {
             let (slow, fast) = ((w / 3, h / 4), (w - 1, h - 1));
             let at = |(i, j): (usize, usize), k: usize| cosine(i, k % w, w) * cosine(j, k / w, h);
             let mut grid: Vec<f64> = (0..w * h).map(|k| 2.0 * at(slow, k) + at(fast, k)).collect();
-            Cosines::new(w, h).filter(&mut grid, |i, j| 10.0 * i as f64 + j as f64);
+            CosineTransform::new(w, h).filter(&mut grid, |i, j| 10.0 * i as f64 + j as f64);
             let gain = |(i, j): (usize, usize)| (10 * i + j) as f64;
             for (k, value) in grid.iter().enumerate() {
                 let expected = 2.0 * gain(slow) * at(slow, k) + gain(fast) * at(fast, k);

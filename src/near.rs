@@ -96,9 +96,9 @@ impl NearField {
         let mut t = [[[0.0; 2]; 2]; 2];
         let view = self.scene.view()?;
         let sigma = AT_IMAGE * 0.5 * view.half_field().tan();
-        for j in 0..2 {
-            for k in 0..2 {
-                let (way, step) = (DVec2::AXES[k] * AT_PLATE * self.size, DVec2::AXES[j] * sigma);
+        for (j, along_image) in DVec2::AXES.into_iter().enumerate() {
+            for (k, along_plate) in DVec2::AXES.into_iter().enumerate() {
+                let (way, step) = (along_plate * AT_PLATE * self.size, along_image * sigma);
                 let mut sum = DVec2::ZERO;
                 for (a, b) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
                     let uv = self.scene.thrown(DVec3::ZERO, Slope::from_vec(self.mean + b * step))?;

@@ -6,7 +6,7 @@ use glam::DVec2;
 use rustfft::num_complex::Complex64;
 
 use crate::facets::SlopeGrid;
-use crate::fourier::{Cosines, Waves};
+use crate::fourier::{CosineTransform, WaveTransform};
 
 /// Heights (mm, at the middles of the cells, in the grid's order, mean zero) whose walls are lowest in the least
 /// squares: they minimise the integral of the squared step over all shared edges, those across the rim included if
@@ -97,16 +97,16 @@ struct Poisson {
 
 /// What diagonalises the second difference.
 enum Transform {
-    Cyclic(Waves),
-    Free(Cosines),
+    Cyclic(WaveTransform),
+    Free(CosineTransform),
 }
 
 impl Poisson {
     /// On a cyclic grid waves diagonalise the second difference, on a free one cosines.
     fn new(columns: usize, rows: usize, weight: DVec2, periodic: bool) -> Self {
         let (transform, turn) = match periodic {
-            true => (Transform::Cyclic(Waves::new(columns, rows)), TAU),
-            false => (Transform::Free(Cosines::new(columns, rows)), PI),
+            true => (Transform::Cyclic(WaveTransform::new(columns, rows)), TAU),
+            false => (Transform::Free(CosineTransform::new(columns, rows)), PI),
         };
         // 4 sin² of half the phase from cell to cell, exactly 0 for the mean.
         let eigenvalue = |k: usize, n: usize| 4.0 * (0.5 * turn * k as f64 / n as f64).sin().powi(2);

@@ -2,8 +2,7 @@
 
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::on_wall::WallProof;
-use super::proof::RimProof;
+use super::findings::{RimProof, WallProof};
 use super::sentences::{WORTH_TELLING, finer_than_the_blur, stray_sentence};
 use crate::distribution::SlopeDistribution;
 use crate::recipe::{BorderFinish, Recipe, SurfaceKind};

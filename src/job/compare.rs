@@ -1,7 +1,8 @@
 //! A sheet beside the flat facets that the same recipe would make: which of the two puts more light right.
 
 use super::design::{Design, DesignError, design};
-use super::proof::{Proof, send_over_milled_facets};
+use super::findings::Proof;
+use super::proof::send_over_milled_facets;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Recipe, SurfaceKind};

@@ -16,6 +16,8 @@ pub mod design;
 
 mod scene_facts;
 
+pub mod findings;
+
 pub mod on_wall;
 
 pub mod proof;

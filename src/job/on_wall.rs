@@ -1,7 +1,7 @@
 //! The proof of a plate in its room: light thrown on the wall of its scene, as designed and as its cutter leaves it.
 
 use super::design::{Design, DesignError};
-use super::proof::{MilledProof, Proof, RimProof};
+use super::findings::{MilledProof, Proof, RimProof, WallDiffraction, WallLight, WallProof};
 use super::scene_facts::{in_words, mirror_miss, sag, stopped_by_lamp};
 use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
@@ -26,39 +26,9 @@ use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
-use crate::verify::thrown::{ACROSS, Throwing, Thrown, within_picture};
+use crate::verify::thrown::{ACROSS, Throwing, within_picture};
 use crate::verify::verdict::Verdict;
 use crate::verify::wall_verdict::{WallVerdict, eye_blur, likeness_once_spread};
-
-/// Light on a wall, and its figures there.
-#[derive(Clone, Debug)]
-pub struct WallLight {
-    /// The light.
-    pub thrown: Thrown,
-    /// Its figures.
-    pub verdict: WallVerdict,
-}
-
-/// What is said of a plate in its room.
-#[derive(Clone, Debug)]
-pub struct WallProof {
-    /// Lamp and wall.
-    pub scene: Scene,
-    /// From the eye to the wall, mm.
-    pub eye_distance: f64,
-    /// The drawing, [`ACROSS`] pixels a side, sum 1.
-    pub target: Raster,
-    /// The plate as it is designed, or as it stands in a file.
-    pub designed: WallLight,
-    /// The plate as its cutter leaves it, if one is named.
-    pub milled: Option<WallLight>,
-    /// What it throws elsewhere, of a relief that stands on a grid.
-    pub elsewhere: Option<ThrownElsewhere>,
-    /// What diffraction leaves of it, of a sheet.
-    pub diffraction: Option<WallDiffraction>,
-    /// Share of the picture's light that the lamp, 30 mm across or larger, stops on its way to the wall.
-    pub stopped_by_lamp: f64,
-}
 
 impl WallProof {
     /// What a report says of it.
@@ -97,17 +67,6 @@ impl WallProof {
     }
 }
 
-/// What diffraction by the smallest patches on which a sheet's light depends leaves of the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WallDiffraction {
-    /// Width of such a patch, mm.
-    pub patch: f64,
-    /// By how much it spreads light, mm on the wall at half brightness.
-    pub spread: f64,
-    /// Likeness to the drawing at the eye's blur, were all light spread so.
-    pub ssim: f64,
-}
-
 /// A proof in a room, to which plates are handed one by one.
 pub struct RoomProof<'a> {
     /// Every setting.
@@ -136,7 +95,7 @@ impl<'a> RoomProof<'a> {
     /// What is said of light on the wall: within the picture as of any highlight, and on the wall, if there is one.
     pub fn judged(
         &self,
-        thrown: Option<Thrown>,
+        thrown: Option<Measurement>,
         rim: Option<&RimLight>,
     ) -> Result<(Measurement, Verdict, Option<WallLight>), DesignError> {
         let Mirrored { setup, measuring, progress, .. } = self.mirrored;
@@ -207,7 +166,7 @@ struct InRoom<'a> {
 }
 
 impl Task for InRoom<'_> {
-    type Output = (Option<Thrown>, Option<ThrownElsewhere>);
+    type Output = (Option<Measurement>, Option<ThrownElsewhere>);
 
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         (self.throwing.on(surface), self.elsewhere.on(surface))
@@ -274,7 +233,7 @@ pub(super) fn prove_in_room(
 }
 
 /// Light of a rim beside that of the plate on its wall; what falls into the picture is looked at.
-pub fn rim_proof(light: RimLight, thrown: &Thrown, finish: BorderFinish) -> RimProof {
+pub fn rim_proof(light: RimLight, thrown: &Measurement, finish: BorderFinish) -> RimProof {
     let dull = RimProof::dull(light.within_picture(), &within_picture(thrown));
     RimProof { light, counts: finish != BorderFinish::Matt, ..dull }
 }
@@ -285,7 +244,7 @@ fn over_milled(
     room: &RoomProof,
     design: &Design,
     sheet: Option<&OpenRelief>,
-) -> Result<Option<(Option<Thrown>, f64)>, DesignError> {
+) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
     let (cutter, polish) = (room.recipe.design.sheet.cutter, room.recipe.design.sheet.polish);
     let progress = room.mirrored.progress;
     if cutter.is_none() && polish.is_none() {

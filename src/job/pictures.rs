@@ -4,7 +4,7 @@ use image::{GrayImage, RgbImage};
 
 use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::export::pixels::{common_white, tone_mapped};
-use crate::job::proof::Proof;
+use crate::job::findings::Proof;
 use crate::job::wall_pictures::wall_page;
 use crate::projection::View;
 use crate::raster::Raster;

@@ -6,7 +6,7 @@ use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::proof::Proof;
+use super::findings::Proof;
 use crate::export::pixels::encode_png;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::report::design::made_of;

@@ -1,7 +1,8 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
 use super::design::{Design, DesignError};
-use super::on_wall::{WallProof, prove_in_room};
+use super::findings::{MilledProof, Proof, RimProof, SheetProof};
+use super::on_wall::prove_in_room;
 use crate::export::sheet::sheet_solid;
 use crate::highlight::scored_target;
 use crate::progress::{Cancelled, Progress, Stage};
@@ -25,60 +26,6 @@ use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
 use crate::verify::verdict::{Figure, Verdict};
 use crate::verify::windows::{Likeness, change, likeness};
-
-/// Light sent over a design, and what is said of it.
-#[derive(Clone, Debug)]
-pub struct Proof {
-    /// What was wanted, 256² pixels, sum 1.
-    pub target: Raster,
-    /// What the light did.
-    pub measurement: Measurement,
-    /// The figures.
-    pub verdict: Verdict,
-    /// What is said of a sheet besides.
-    pub sheet: Option<SheetProof>,
-    /// The same of the plate as its cutter leaves it, if one is named.
-    pub milled: Option<MilledProof>,
-    /// Light of the rim, if there is one.
-    pub rim: Option<RimProof>,
-    /// Light on the wall, in a scene that has one.
-    pub wall: Option<WallProof>,
-}
-
-/// Light of the rim around the optical area, as shares of the light on that area.
-#[derive(Clone, Debug)]
-pub struct RimProof {
-    /// It, as if the rim were polished; the cutter's fillet at the relief's foot is left out.
-    pub light: RimLight,
-    /// Light that falls on the rim.
-    pub lit: f64,
-    /// What of it would fall into the picture.
-    pub into_picture: Figure,
-    /// Whether the rim is polished, so that this counts in all figures and pictures.
-    pub counts: bool,
-}
-
-/// How a sheet looks in parts, and to diffraction; after its cutter, if it was designed for one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SheetProof {
-    /// Its windows against the picture.
-    pub windows: Likeness,
-    /// The smallest patch on which its light depends.
-    pub detail: Option<Detail>,
-    /// Share of the light from mirrors so small that diffraction spreads it by more than a degree.
-    pub diffracted: f64,
-}
-
-/// Light sent over a design as its cutter leaves it.
-#[derive(Clone, Debug)]
-pub struct MilledProof {
-    /// The most that the cutter stays above the written surface, mm.
-    pub left: f64,
-    /// What the light did.
-    pub measurement: Measurement,
-    /// The figures.
-    pub verdict: Verdict,
-}
 
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
@@ -130,13 +77,6 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
         }
     };
     Ok(Proof { target, measurement, verdict, sheet, milled, rim, wall: None })
-}
-
-impl RimProof {
-    /// A rim that counts as dark, around the optical area of `measurement`.
-    pub fn dull(light: RimLight, measurement: &Measurement) -> Self {
-        Self { lit: light.lit(measurement), into_picture: light.in_image(measurement), counts: false, light }
-    }
 }
 
 /// Light over the optical area, and over the rim around it if it has a width.

@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use super::on_wall::{WallLight, WallProof};
+use super::findings::{WallLight, WallProof};
 use super::scene_facts::in_words;
 use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::projection::View;

@@ -224,7 +224,7 @@ impl Raw<'_> {
                 pixels.notes.push(note.into());
                 pixels
             }
-            6 => Pixels::plain(size, 3, samples.from_brightness_and_colour(count)),
+            6 => Pixels::plain(size, 3, samples.rgb_of_brightness_and_colour(count)),
             _ => return Err(self.unsupported("its colours are of a rare kind")),
         };
         pixels.premultiplied = kind.opacity.is_some() && kind.premultiplied;
@@ -283,7 +283,7 @@ impl Samples {
     }
 
     /// Red, green and blue of Y, Cb and Cr as JPEG files have them (ITU-T T.871), 8 bits.
-    fn from_brightness_and_colour(&self, count: usize) -> Self {
+    fn rgb_of_brightness_and_colour(&self, count: usize) -> Self {
         let number = |i: usize| 255.0 * self.at(i);
         let colour = |k: usize| {
             let (y, b, r) = (number(3 * k), number(3 * k + 1) - 128.0, number(3 * k + 2) - 128.0);

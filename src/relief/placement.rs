@@ -62,7 +62,7 @@ fn flat_share(mesh: &Mesh, axis: Axis) -> f64 {
     let size = high - low;
     let along = axis as usize / 2;
     let side = size.x * size.y * size.z / size[along];
-    let plane = if axis as usize % 2 == 0 { high[along] } else { low[along] };
+    let plane = if (axis as usize).is_multiple_of(2) { high[along] } else { low[along] };
     let near = NEAR * (size.max_element() + low.abs().max(high.abs()).max_element());
     let area = |k: usize| {
         let [a, b, c] = mesh.corners(k);
@@ -155,7 +155,7 @@ mod tests {
     /// The unit vector along an axis.
     fn vector(axis: Axis) -> DVec3 {
         let along = [DVec3::X, DVec3::Y, DVec3::Z][axis as usize / 2];
-        if axis as usize % 2 == 0 { along } else { -along }
+        if (axis as usize).is_multiple_of(2) { along } else { -along }
     }
 
     #[test]

@@ -141,7 +141,7 @@ mod tests {
     use rustfft::num_complex::Complex64;
 
     use super::*;
-    use crate::fourier::{Waves, frequency};
+    use crate::fourier::{WaveTransform, frequency};
 
     #[test]
     fn filters_as_the_general_transform_does() {
@@ -158,7 +158,7 @@ mod tests {
             }
             // The wave of half the side has no sign of its own: a real filter must treat both alike.
             let real = |i: usize, j: usize| 0.5 * (gain(i, j) + gain((side - i) % side, (side - j) % side));
-            Waves::new(side, side).filter(&mut whole, |i, j| Complex64::from(real(i, j)));
+            WaveTransform::new(side, side).filter(&mut whole, |i, j| Complex64::from(real(i, j)));
             waves.filter(&mut values, width, &waves.gains(real));
             for (k, v) in values.iter().enumerate() {
                 let expected = whole[k / width * side + k % width];

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 use rustfft::num_complex::Complex64;
 
 use super::blur::BlurKernel;
-use crate::fourier::{Waves, smooth_size};
+use crate::fourier::{WaveTransform, smooth_size};
 use crate::raster::Raster;
 
 /// Blocks along a side of the image at the most.
@@ -42,7 +42,7 @@ pub(crate) struct Grid {
     /// Blocks across the grid, and down.
     width: usize,
     height: usize,
-    waves: Waves,
+    waves: WaveTransform,
     /// The blur's matrices, in blocks.
     disc: DMat2,
     lobe: DMat2,
@@ -67,7 +67,7 @@ impl Grid {
             smooth_size(n + 1 + margin.ceil() as usize)
         };
         let (width, height) = (side(columns, far.x, reach(degree).x), side(rows, far.y, reach(degree).y));
-        Self { block, width, height, waves: Waves::new(width, height), disc, lobe, degree }
+        Self { block, width, height, waves: WaveTransform::new(width, height), disc, lobe, degree }
     }
 
     /// `picture` in blocks, dark around it: rows of the grid, the picture in their first ones.
@@ -114,7 +114,7 @@ impl Grid {
         filter
     }
 
-    /// In the order of [`Waves::spectrum`]; real, for the kernel is even.
+    /// In the order of [`WaveTransform::spectrum`]; real, for the kernel is even.
     fn filter(&self, points: &[DVec2]) -> Vec<f64> {
         let kernel = kernel(points, self.width, self.height);
         self.waves.spectrum(&kernel).iter().map(|wave| wave.re).collect()

@@ -57,18 +57,16 @@ pub struct Throwing<'a> {
     pub progress: &'a Progress<'a>,
 }
 
-/// Light on the wall, in two halves of as many rays each: [`WHOLE`] pixels a side around the picture.
-pub type Thrown = Measurement;
-
+/// The light on the wall, in two halves of as many rays each: [`WHOLE`] pixels a side around the picture.
 impl Task for Throwing<'_> {
-    type Output = Option<Thrown>;
+    type Output = Option<Measurement>;
 
-    fn on<S: Surface>(self, surface: &S) -> Option<Thrown> {
+    fn on<S: Surface>(self, surface: &S) -> Option<Measurement> {
         let frame = Frame::of(surface, self.scene);
         let listed = self.metal.is_smooth() && surface.facets() > 0;
         let halves = match listed {
-            true => self.from_pieces(surface, &frame)?,
-            false => self.from_lamp(surface, &frame, |_| true)?,
+            true => self.light_by_pieces(surface, &frame)?,
+            false => self.light_of_lamp(surface, &frame, |_| true)?,
         };
         Measurement::of_parts(halves).filter(|_| !self.progress.is_abandoned())
     }
@@ -122,7 +120,7 @@ pub fn plate_origin<S: Surface>(surface: &S) -> DVec3 {
 }
 
 /// The light within the picture alone, on half as many pixels: a highlight image as any other.
-pub fn within_picture(thrown: &Thrown) -> Measurement {
+pub fn within_picture(thrown: &Measurement) -> Measurement {
     let inner = |image: &Raster| cropped(image).resampled(ACROSS / 2, ACROSS / 2);
     thrown.mapped(|tally| {
         let image = inner(&tally.image);
@@ -146,7 +144,7 @@ impl Throwing<'_> {
     }
 
     /// Rays from every piece of the relief, and rays of the lamp that first meet a vertical wall.
-    fn from_pieces<S: Surface>(&self, surface: &S, frame: &Frame) -> Option<Vec<Tally>> {
+    fn light_by_pieces<S: Surface>(&self, surface: &S, frame: &Frame) -> Option<Vec<Tally>> {
         let facets = surface.facets();
         let wanted = if frame.scene.lamp().is_point() { 0 } else { RAYS_OF_EXTENT };
         let least = wanted.max(self.measuring.rays).div_ceil(facets as u64).max(LEAST_RAYS).next_multiple_of(2);
@@ -202,13 +200,13 @@ impl Throwing<'_> {
         for part in &parts {
             halves.iter_mut().zip(part).for_each(|(half, part)| half.add(part, 1.0));
         }
-        let walls = self.from_lamp(surface, frame, |kind| kind == PieceKind::Wall)?;
+        let walls = self.light_of_lamp(surface, frame, |kind| kind == PieceKind::Wall)?;
         halves.iter_mut().zip(&walls).for_each(|(half, part)| half.add(part, 1.0));
         Some(halves)
     }
 
     /// Rays of the lamp, those that first meet what is `wanted`.
-    fn from_lamp<S: Surface>(
+    fn light_of_lamp<S: Surface>(
         &self,
         surface: &S,
         frame: &Frame,
@@ -241,7 +239,7 @@ mod tests {
 
     const LAMP: DVec3 = DVec3::new(0.0, 300.0, 400.0);
 
-    fn thrown<S: Surface>(surface: &S, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Thrown {
+    fn thrown<S: Surface>(surface: &S, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Measurement {
         let measuring = Measuring { rays: 50_000, ..Measuring::default() };
         let progress = Progress::silent();
         let throwing = Throwing { scene, metal: &Material::MIRROR, measuring: &measuring, within, progress: &progress };
@@ -249,7 +247,7 @@ mod tests {
     }
 
     /// Mean and half extent of the light along u and v, mm from the picture's middle.
-    fn spot(thrown: &Thrown, half: f64) -> (DVec2, DVec2) {
+    fn spot(thrown: &Measurement, half: f64) -> (DVec2, DVec2) {
         let image = &thrown.whole.image;
         let lit = (0..WHOLE * WHOLE).filter(|&k| image.values[k] > 0.0);
         let mut sums = (DVec2::ZERO, 0.0, DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -311,7 +309,7 @@ mod tests {
         };
         let pieces = throwing.on(&surface).unwrap().whole;
         let frame = Frame::of(&surface, &scene);
-        let lamp = Measurement::of_parts(throwing.from_lamp(&surface, &frame, |_| true).unwrap()).unwrap().whole;
+        let lamp = Measurement::of_parts(throwing.light_of_lamp(&surface, &frame, |_| true).unwrap()).unwrap().whole;
         assert!((pieces.incident / lamp.incident - 1.0).abs() < 0.003, "{} {}", pieces.incident, lamp.incident);
         assert!((pieces.multi_bounce() - lamp.multi_bounce()).abs() < 0.003 && pieces.multi_bounce() > 0.01);
         let coarse = |tally: &Tally| tally.image.clone().scaled(1.0 / tally.incident).resampled(24, 24);

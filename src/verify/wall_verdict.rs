@@ -2,8 +2,9 @@
 
 use super::blur::{Edge, gaussian};
 use super::score::{SUPPORT, structural_similarity};
+use super::tally::Measurement;
 use super::tally::Tally;
-use super::thrown::{ACROSS, MARGIN, Thrown, WHOLE, cropped};
+use super::thrown::{ACROSS, MARGIN, WHOLE, cropped};
 use super::verdict::Figure;
 use crate::raster::Raster;
 use crate::scene::Scene;
@@ -56,7 +57,7 @@ impl WallVerdict {
     /// Scores light on the wall of `scene` against `target`, the drawing on [`ACROSS`] pixels a side with sum 1.
     ///
     /// `None` if the picture got no light.
-    pub fn new(thrown: &Thrown, target: &Raster, scene: &Scene, eye_distance: f64) -> Option<Self> {
+    pub fn new(thrown: &Measurement, target: &Raster, scene: &Scene, eye_distance: f64) -> Option<Self> {
         let blurs = wall_blurs(scene, eye_distance);
         let pixel = 2.0 * scene.wall()?.half / ACROSS as f64;
         let wanted = widened(target);
@@ -73,7 +74,7 @@ impl WallVerdict {
 
 /// Likeness to the drawing at the eye's blur of light that something else spreads first, by a Gaussian of `spread` mm.
 pub fn likeness_once_spread(
-    thrown: &Thrown,
+    thrown: &Measurement,
     target: &Raster,
     scene: &Scene,
     eye_distance: f64,

@@ -116,7 +116,7 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
     if let Some(file) = &args.scene {
         recipe.scene.room = Some(inputs::room(file)?);
     }
-    let recipe = args.implied(recipe)?;
+    let recipe = args.implied(recipe).map_err(Failure::Usage)?;
     if args.method.is_some() && recipe.surface() == SurfaceKind::Sheet {
         let what = "--method is for flat facets, and --surface makes this plate a sheet";
         return Err(Failure::Usage(format!("{what}: leave out one of the two")));

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use facetmill::highlight::scored_target;
+use facetmill::job::findings::{MilledProof, Proof, RimProof};
 use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
-use facetmill::job::proof::{MilledProof, Proof, RimProof, send_over_milled_mesh};
+use facetmill::job::proof::send_over_milled_mesh;
 use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
 use facetmill::memory::Need;
 use facetmill::picture::Picture;
@@ -116,7 +117,7 @@ fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe) -> Result<Recipe, Failure
     if let Some(file) = &args.scene {
         recipe.scene.room = Some(inputs::room(file)?);
     }
-    let recipe = args.settings.implied(recipe)?;
+    let recipe = args.settings.implied(recipe).map_err(Failure::Usage)?;
     recipe.check().map_err(|error| match error.is_impossible() {
         true => Failure::Impossible(error.to_string()),
         false => Failure::Usage(format!("--{error}")),

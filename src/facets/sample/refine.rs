@@ -11,7 +11,7 @@ use rustfft::num_complex::Complex64;
 
 use crate::descent::{Descent, minimise};
 use crate::distribution::SlopeDistribution;
-use crate::fourier::{Waves, even_smooth_size, frequency};
+use crate::fourier::{WaveTransform, even_smooth_size, frequency};
 use crate::progress::Progress;
 
 /// Standard deviation of the comparison's blur, in units of the facets' mean spacing. A finer one would ask the points
@@ -44,7 +44,7 @@ struct Field<'a> {
     pixel: f64,
     low: f64,
     target: Vec<f64>,
-    waves: Waves,
+    waves: WaveTransform,
     gain: Vec<f64>,
 }
 
@@ -74,7 +74,7 @@ impl<'a> Field<'a> {
             })
             .collect();
         let low = -1.0 - margin as f64 * pixel;
-        Self { distribution, spacing, side, pixel, low, target, waves: Waves::new(side, side), gain }
+        Self { distribution, spacing, side, pixel, low, target, waves: WaveTransform::new(side, side), gain }
     }
 
     /// The loss of points `x` (u, v in turn) and its gradient.

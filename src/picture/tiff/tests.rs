@@ -121,7 +121,7 @@ fn every_truncation_and_every_changed_byte_is_survived() {
     for tiled in [false, true] {
         let whole = sample(32, false, tiled);
         for length in 0..whole.len() - 4 {
-            assert!(!matches!(decode(&whole[..length], "a"), Ok(_)), "{length}");
+            assert!(decode(&whole[..length], "a").is_err(), "{length}");
         }
         for at in 0..whole.len() {
             for value in [0, 1, 127, 255] {

@@ -7,6 +7,7 @@ pub mod value;
 
 mod table;
 
+mod running;
 mod scene;
 
 #[cfg(test)]
@@ -20,12 +21,18 @@ use super::{Recipe, RecipeError, SurfaceKind};
 /// Every setting but the picture itself, in the order of the help.
 pub static SETTINGS: &[Setting] = &joined();
 
-const fn joined() -> [Setting; table::GENERAL.len() + scene::SCENE.len()] {
-    let mut all = [table::PLAIN; table::GENERAL.len() + scene::SCENE.len()];
-    let mut k = 0;
-    while k < all.len() {
-        all[k] = if k < table::GENERAL.len() { table::GENERAL[k] } else { scene::SCENE[k - table::GENERAL.len()] };
-        k += 1;
+const PARTS: [&[Setting]; 3] = [table::GENERAL, running::RUNNING, &scene::SCENE];
+
+const fn joined() -> [Setting; PARTS[0].len() + PARTS[1].len() + PARTS[2].len()] {
+    let mut all = [table::PLAIN; PARTS[0].len() + PARTS[1].len() + PARTS[2].len()];
+    let (mut k, mut part) = (0, 0);
+    while part < PARTS.len() {
+        let mut of_part = 0;
+        while of_part < PARTS[part].len() {
+            all[k] = PARTS[part][of_part];
+            (k, of_part) = (k + 1, of_part + 1);
+        }
+        part += 1;
     }
     all
 }

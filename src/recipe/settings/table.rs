@@ -39,7 +39,7 @@ const DESIGN: Setting = Setting { section: Section::Design, ..PLAIN };
 const SHEET: Setting = Setting { only: Some(SurfaceKind::Sheet), section: Section::Design, ..LENGTH };
 const FACETS: Setting = Setting { only: Some(SurfaceKind::Facets), ..DESIGN };
 
-/// Settings of highlight, plate, design and proof.
+/// Settings of highlight, plate and design.
 pub(super) const GENERAL: &[Setting] = &[
     Setting {
         name: "half-field",
@@ -393,35 +393,5 @@ pub(super) const GENERAL: &[Setting] = &[
         help: "Steepest facet, degrees; light that needs steeper ones is cut",
         at: |recipe| &mut recipe.design.distribution.slope_cap,
         ..ANGLE
-    },
-    Setting {
-        name: "seed",
-        key: "design.seed",
-        section: Section::Design,
-        // What TOML can write back.
-        ranges: &[[0.0, 9.2e18]],
-        help: "Seed of everything random",
-        at: |recipe| &mut recipe.design.seed,
-        ..COUNT
-    },
-    Setting {
-        name: "rays",
-        key: "verify.rays",
-        section: Section::Running,
-        ranges: &[[1000.0, 1e11]],
-        help: "Rays sent over the plate",
-        at: |recipe| &mut recipe.verify.rays,
-        ..COUNT
-    },
-    Setting {
-        name: "eye-distance",
-        key: "verify.eye-distance",
-        section: Section::Running,
-        ranges: &[[100.0, 1e6]],
-        unset: "3000",
-        help: "From the eye to a wall nearby, mm: how finely its picture is looked at",
-        more: "An eye resolves 2.3 minutes of arc: 2 mm from 3 m.",
-        at: |recipe| &mut recipe.verify.eye_distance,
-        ..LENGTH
     },
 ];

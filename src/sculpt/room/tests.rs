@@ -130,5 +130,5 @@ fn a_ditch_is_filled_as_far_as_the_cutter_needs() {
     relief = grid.plate(&z);
     let after = milled(&grid, &grid.embedded(&relief), &tool, &Progress::silent());
     assert!(after.most_left() <= 1e-3 && after.relief().node(0, 0).truncate() == DVec2::ZERO);
-    assert_eq!(DVec3::from(relief.node(0, 3)).z, f64::from(relief.heights[3 * 41]));
+    assert_eq!(relief.node(0, 3).z, f64::from(relief.heights[3 * 41]));
 }

@@ -7,7 +7,6 @@ use facetmill::recipe::{Recipe, SurfaceKind};
 
 use super::RunningArgs;
 use super::settings::{ByDesign, SettingFlags};
-use crate::console::Failure;
 use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
@@ -69,8 +68,8 @@ impl DesignArgs {
         self.settings.apply(recipe);
     }
 
-    /// `recipe` with what its scene implies, unless a flag contradicts that.
-    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
+    /// `recipe` with what its scene implies, unless a flag contradicts that: then what is wrong with it.
+    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, String> {
         self.settings.implied(recipe)
     }
 

@@ -7,8 +7,6 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use facetmill::recipe::settings::{Form, SETTINGS, Section, Setting};
 use facetmill::recipe::{Recipe, SceneFault};
 
-use crate::console::Failure;
-
 /// A command that takes some of the settings.
 pub trait Takes {
     /// Whether it takes this one.
@@ -73,12 +71,12 @@ impl<C> SettingFlags<C> {
         recipe
     }
 
-    /// `recipe` with what its scene implies, unless a flag contradicts that.
-    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, Failure> {
+    /// `recipe` with what its scene implies, unless a flag contradicts that: then what is wrong with it.
+    pub fn implied(&self, recipe: Recipe) -> Result<Recipe, String> {
         let flags = self.alone();
         let given = |name: &str| self.has(name);
         if given("lamp-at") && given("light") {
-            return Err(Failure::Usage("--light has no meaning beside --lamp-at: leave out one of the two".into()));
+            return Err("--light has no meaning beside --lamp-at: leave out one of the two".into());
         }
         let implied = recipe.clone().with_implied();
         let contradicts = |name: &str| match name {
@@ -88,7 +86,7 @@ impl<C> SettingFlags<C> {
         };
         let all = ["projection", "quantity", "seen"];
         match all.into_iter().find(|name| recipe.is_near() && given(name) && contradicts(name)) {
-            Some(name) => Err(Failure::Usage(format!("--{}", SceneFault::Implied(name)))),
+            Some(name) => Err(format!("--{}", SceneFault::Implied(name))),
             None => Ok(implied),
         }
     }
