@@ -122,7 +122,8 @@ fn within_a_limit_on_addresses_a_run_is_done_or_refused_and_never_aborts() {
         "design ring.png -o new --force --facets 300x300 --sample random --arrange random --no-verify".into(),
         format!("design large.png -o new --force {SMALL} --no-verify"),
         "measure plate -o new --force --resolution 1024 --rays 20000".into(),
-        "measure plate -o new --force --look --light-radius 1 --resolution 1024 --rays 1000".into(),
+        "measure plate -o new --force --look --light-radius 1 --resolution 256 --rays 4".into(),
+        "measure plate -o new --force --look --light-radius 1 --resolution 4096 --rays 4".into(),
     ] {
         for megabytes in [200, 350, 500, 900] {
             let outcome = run_within(home.path(), megabytes << 10, &line);
