@@ -13,7 +13,7 @@ use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
 use crate::relief::recognise::{Recognised, recognise};
 use crate::relief::repeats::{repeated, within};
-use crate::sculpt::detail::{Detail, diffracted, smallest_detail};
+use crate::sculpt::detail::{diffracted, smallest_detail};
 use crate::sculpt::milled_facets::milled_facets;
 use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
@@ -24,8 +24,8 @@ use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
-use crate::verify::verdict::{Figure, Verdict};
-use crate::verify::windows::{Likeness, change, likeness};
+use crate::verify::verdict::Verdict;
+use crate::verify::windows::{change, likeness};
 
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.

@@ -64,7 +64,8 @@ mod tests {
     fn verdict(stripes: usize, astray: f64) -> Verdict {
         let side = 64;
         let view = View::new(Projection::Equidistant, f64::to_radians(20.0), DVec3::Z);
-        let target = Raster::from_fn(side, side, |x, _| f64::from(u8::from(x / stripes % 2 == 0))).normalised();
+        let target =
+            Raster::from_fn(side, side, |x, _| f64::from(u8::from((x / stripes).is_multiple_of(2)))).normalised();
         let even = astray / (side * side) as f64;
         let mut part = Tally::empty((side, side));
         part.image.values.iter_mut().zip(&target.values).for_each(|(v, t)| *v = (1.0 - astray) * t + even);

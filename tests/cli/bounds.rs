@@ -164,7 +164,7 @@ fn threads_that_cannot_be_started_are_done_without() {
         for when in [format!("when={nth}"), format!("when={nth}+")] {
             for line in [
                 format!("design ring.png -o new --force {SMALL} --no-verify --threads 4"),
-                format!("measure plate -o seen --force --resolution 64 --rays 20000 --threads 4"),
+                "measure plate -o seen --force --resolution 64 --rays 20000 --threads 4".to_owned(),
             ] {
                 let Some(outcome) = strace(&when, &line) else {
                     eprintln!("SKIPPED: strace is not installed");

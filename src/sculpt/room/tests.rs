@@ -1,6 +1,6 @@
 use std::f64::consts::TAU;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::exact::exact;
 use super::landing::wanted;
