@@ -164,6 +164,7 @@ pub(super) fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &F
         return format!("Flat facets were made, since {figures}: --surface continuous makes the sheet all the same.");
     };
     let early = (sheet.stopped_early().is_some()).then_some("let the design come to its end");
-    let remedies: String = early.into_iter().chain(recipe.remedies()).map(|what| format!("{what}, ")).collect();
-    format!("Flat facets would do better, since {figures}: {remedies}or take --surface flat.")
+    let remedies: Vec<&str> = early.into_iter().chain(recipe.remedies()).collect();
+    let first = if remedies.is_empty() { String::new() } else { format!("{}, or ", remedies.join(", ")) };
+    format!("Flat facets would do better, since {figures}: {first}take --surface flat.")
 }

@@ -61,7 +61,8 @@ mod tests {
         let mut plate = design(&recipe, &ring, &Progress::silent()).unwrap();
         let target = scored_target(&ring, recipe.highlight.quantity, &plate.distribution.setup, 256);
         assert_eq!(lighter(&recipe, &plate, &target), None, "a small file needs no smaller one");
-        // The same relief in a file of more than a million triangles.
+        // The same relief in a file of more than a million triangles. Its own 48 nodes are not among the 160 of a smaller one,
+        // so that this loses light, though not much.
         let sheet = plate.sheet.as_mut().unwrap();
         sheet.relief = PeriodicRelief { nodes: 384, heights: sampled(&sheet.relief, 384), ..sheet.relief.clone() };
         plate.mesh = crate::export::sheet::sheet_solid(&sheet.relief, 5.0, 0.0).unwrap();
@@ -70,7 +71,7 @@ mod tests {
         let made = made.unwrap();
         assert!((made.grid, made.triangles) == (160, 208_640) && made.bytes == stl_bytes(208_640), "{made:?}");
         let [coarse, whole] = made.misplaced;
-        assert!(coarse < 1.3 * whole + 0.01 && whole < 0.1, "{made:?}");
+        assert!(whole < 0.005 && (whole..0.05).contains(&coarse), "{made:?}");
         assert!(spent.cpu.as_secs_f64() < 0.3, "{spent:?}");
     }
 }

@@ -67,7 +67,7 @@ fn a_relief_that_is_worse_than_facets_is_not_praised() {
     assert_done(&run_line(home.path(), "design ring.png -o facets --surface flat --for-cutter ball:1 --rays 50000"));
     let facets = json(home.path().join("facets/report.json"));
     assert_eq!(facets["designed"]["tv_incident"]["1"].as_f64().unwrap(), flat);
-    let line = "design ring.png -o cut --grid 64 --for-cutter ball:1 --rays 50000";
+    let line = "design ring.png -o cut --grid 64 --for-cutter ball:1 --rays 50000 --verbose";
     let told = run_line(home.path(), line);
     assert_done(&told);
     assert!(!told.told().contains("would do better") && told.told().contains("milled alike"), "{}", told.stdout);

@@ -71,7 +71,7 @@ fn assert_refused(outcome: &Outcome, code: i32, parts: &[&str]) {
 }
 
 /// The numbers of a square float TIFF, by a reader that is not ours.
-fn floats(path: impl AsRef<Path>, side: u32) -> Vec<f64> {
+pub fn floats(path: impl AsRef<Path>, side: u32) -> Vec<f64> {
     let mut decoder = Decoder::new(fs::File::open(path).unwrap()).unwrap();
     assert_eq!(decoder.dimensions().unwrap(), (side, side));
     match decoder.read_image().unwrap() {

@@ -44,8 +44,8 @@ fn a_designs_folder_is_verified_by_itself_and_a_limit_decides_the_exit_code() {
     let designed = json(home.path().join("ring/report.json"));
     assert!((tv(&report, "measured") - tv(&designed, "designed")).abs() < 0.01, "{report}");
     assert_eq!((&report["at_most"]["kept"], &report["at_most"]["as_milled"]), (&true.into(), &false.into()));
-    assert_eq!(report["highlight"]["half_field"], 15.0);
-    let beyond = run_line(home.path(), "verify ring --rays 100000 --at-most 0.001@0.5 -o proof");
+    assert_eq!(report["highlight"]["half-field"], 15.0);
+    let beyond = run_line(home.path(), "verify ring --rays 100000 --at-most 0.001@0.5 -o proof --verbose");
     assert_eq!(beyond.code, Some(1), "{beyond:?}");
     assert!(beyond.stderr.contains("--at-most") && beyond.stdout.contains("not kept"), "{beyond:?}");
     assert!(home.path().join("proof/comparison.png").exists(), "the proof of what is worse is there");
@@ -103,7 +103,7 @@ fn a_plate_that_lies_otherwise_is_told_with_the_flag_that_mends_it() {
         write_stl(&turned, &mut file).unwrap();
         file.flush().unwrap();
         let lost = run_line(home.path(), line);
-        assert!(lost.code == Some(4) || lost.stdout.contains(word), "{word}: {lost:?}");
+        assert!(lost.code == Some(4) || lost.told().contains(word), "{word}: {lost:?}");
         let (said, report) = verified(home.path(), &turned, flags);
         let mended = tv(&report, "measured");
         // Turned about an axis the ring is a ring still.
@@ -120,9 +120,9 @@ fn a_drawing_that_is_turned_is_told_and_nothing_passes_without_a_word() {
     corner.save(home.path().join("corner.png")).unwrap();
     image::imageops::rotate90(&corner).save(home.path().join("turned.png")).unwrap();
     assert_done(&run_line(home.path(), "design corner.png -o corner --facets 12x12 --rays 60000"));
-    let said = run_line(home.path(), "verify corner --against turned.png --rays 60000").stdout;
+    let said = run_line(home.path(), "verify corner --against turned.png --rays 60000").told();
     assert!(said.contains("if the drawing is turned by 90°"), "{said}");
-    let said = run_line(home.path(), "verify corner --against ring.png --rays 60000").stdout;
+    let said = run_line(home.path(), "verify corner --against ring.png --rays 60000").told();
     assert!(said.contains("may not belong together"), "{said}");
 }
 

@@ -50,6 +50,8 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let path = drawing(args, &recipe)?;
     recipe.name_picture(&path);
     let mut recipe = in_its_scene(args, recipe)?;
+    // A pose that cannot be is told before anything is read.
+    mounted(recipe.setup(), args.mount)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,

@@ -56,7 +56,7 @@ pub fn milled(grid: &PlateGrid, z: &[f32], tool: &Tool, progress: &Progress) -> 
 }
 
 /// Raises nodes of `z` until the machined surface lies nowhere more than `most` mm above the plate's triangles; returns
-/// whether any node was raised. As [`Tool::fill`].
+/// whether any node was raised. As `Tool::fill`.
 pub fn fill(grid: &PlateGrid, z: &mut [f32], tool: &Tool, most: f64, progress: &Progress) -> bool {
     const ROUNDS: usize = 100;
     let (n, places) = (grid.lattice.n, tool.places);

@@ -72,7 +72,6 @@ fn plates() -> Vec<(&'static str, Vec<u8>, i32)> {
         ("text of 1e99", text("9 0 0", "1e99 0 0"), 3),
         ("text on one line", TEXT.replace('\n', " ").into_bytes(), 3),
         ("text of one endless line", [b"solid ".to_vec(), vec![b'a'; 1 << 20]].concat(), 3),
-        ("wavefront", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec(), 3),
         ("step", b"ISO-10303-21;\nHEADER;\n".to_vec(), 3),
         ("only a base", downward(2), 3),
         ("only sides", stl(&block([20.0, 20.0, 5.0])[4..]), 3),
@@ -85,7 +84,6 @@ fn plates() -> Vec<(&'static str, Vec<u8>, i32)> {
         ("tiny", stl(&block([1e-30; 3])), 3),
         ("subnormal", stl(&block([1e-44; 3])), 3),
         ("two far apart", stl(&[block([9.0; 3]), moved(&block([9.0; 3]), [1e9, 0.0, 0.0])].concat()), 3),
-        ("inside out", stl(&turned(&block([20.0, 20.0, 5.0]))), 4),
         ("mirror tilted away", stl(&[[[0.0, 0.0, 0.0], [0.1, 0.0, 20.0], [0.0, 9.0, 0.0]]]), 4),
     ]
 }
@@ -137,6 +135,7 @@ fn odd_plates_are_traced() {
         ("paper-thin", block([20.0, 20.0, 1e-6]), ""),
         ("sheet", sheet, "not closed"),
         ("holed", plate[..10].to_vec(), "not closed"),
+        ("inside out", turned(&plate), "inside out"),
         ("doubled", [plate.clone(), plate.clone()].concat(), ""),
         ("two", [plate.clone(), moved(&plate, [1e4, 0.0, 0.0])].concat(), ""),
     ] {
