@@ -26,6 +26,7 @@ use thiserror::Error;
 use self::names::Kind;
 use super::stl::merge::MergedTriangles;
 use super::stl::{StlError, is_binary_stl, read_stl_noted};
+#[cfg(feature = "meshes")]
 use crate::fence::fenced;
 use crate::relief::mesh::Mesh;
 
