@@ -3,14 +3,17 @@
 
 use std::fmt;
 
+#[cfg(feature = "system-memory")]
 use sysinfo::{MemoryRefreshKind, System};
 
 /// The share of what the system has that work may take unless somebody says otherwise: the rest is left to others, to the
 /// system's own buffers, and to the error of estimates.
+#[cfg(feature = "system-memory")]
 const USUAL_SHARE: f64 = 0.7;
 
 /// Address space that a thread sets aside besides what it works on, bytes: its stack, and the arena that an allocator such
 /// as glibc's gives it (64 MiB).
+#[cfg(feature = "system-memory")]
 const ADDRESSES_A_THREAD: u64 = 72 << 20;
 
 /// What work takes at the most, and in which of its stages.
@@ -66,6 +69,7 @@ impl MemoryLimit {
 
     /// The usual bound for work on `threads` threads: 70 % of the least of the machine's memory, the control group's limit
     /// and the limit on the process's addresses, as far as the system tells them.
+    #[cfg(feature = "system-memory")]
     pub fn of_system(threads: usize) -> Self {
         let mut system = System::new();
         system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
@@ -93,6 +97,7 @@ impl MemoryLimit {
 }
 
 /// What the process may address, bytes, if there is a limit.
+#[cfg(feature = "system-memory")]
 fn address_space() -> Option<u64> {
     #[cfg(unix)]
     {

@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 
-use super::faceted::{Facet, FacetedRelief};
 use super::height_grid;
 use crate::slope::Slope;
 
@@ -76,26 +75,12 @@ impl PeriodicRelief {
             .map(|k| self.node(k % nx, k / nx).z)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(z), r.1.max(z)))
     }
-
-    /// A plane for each square, through the middles of its four sides: for pictures and height maps.
-    pub fn faceted(&self) -> FacetedRelief {
-        let [columns, rows] = self.plate_nodes().map(|n| n - 1);
-        let step = self.step();
-        let facets = (0..columns * rows)
-            .map(|k| {
-                let (i, j) = (k % columns, k / columns);
-                let [z00, z10, z01, z11] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.node(i + a, j + b).z);
-                let slope = DVec2::new(z10 - z00 + z11 - z01, z01 - z00 + z11 - z10) / (2.0 * step);
-                Facet { height: 0.25 * (z00 + z10 + z01 + z11), slope: Slope::from_vec(slope) }
-            })
-            .collect();
-        FacetedRelief::uniform(columns, rows, self.size(), facets)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::relief::open::NodeGrid as _;
 
     #[test]
     fn a_tilted_plane_is_one_plane_over_all_cells() {

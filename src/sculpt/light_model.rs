@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::concave_edges::ConcaveEdges;
-use super::edge_slopes::{BANDS, EdgeSlopes, Lattice, SquareEdges};
+use super::edge_slopes::{EdgeSlopes, Lattice, SquareEdges, added_bands};
 use super::slope_histogram::{Place, SlopeHistogram};
 
 /// The light of a lattice's triangles among the bins of a target.
@@ -48,14 +48,7 @@ impl LightModel {
             }
             light
         };
-        let bands: Vec<Vec<f32>> = (0..BANDS).into_par_iter().map(splat).collect();
-        let mut light = vec![0.0f32; bins.side * bins.side];
-        light.par_chunks_mut(1 << 13).enumerate().for_each(|(k, piece)| {
-            for band in &bands {
-                piece.iter_mut().zip(&band[k << 13..]).for_each(|(sum, v)| *sum += v);
-            }
-        });
-        light
+        added_bands(bins.side * bins.side, splat)
     }
 
     /// The gradient with respect to the heights, per mm, of Σ `potential` · light + `weight` · penalty of the concave

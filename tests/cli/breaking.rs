@@ -19,7 +19,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::mutate::mutant;
 use super::program::{Outcome, facetmill, finish, home, run_line};
-use super::{SMALL, assert_done};
+use super::{SMALL, assert_done, strace_may_trace};
 
 /// CPU seconds of one run, by the system's own limit, and address space, KiB.
 const WITHIN: &str = "ulimit -t 20 && ulimit -v 4000000 && exec \"$0\" \"$@\"";
@@ -313,9 +313,7 @@ fn command_lines_of_flags_and_extremes_get_an_answer() {
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #[test]
 fn calls_that_fail_are_told_and_leave_the_folder_old_or_new() {
-    let strace = Command::new("strace").args(["-f", "-e", "trace=none", "true"]).output();
-    if !strace.is_ok_and(|done| done.status.success()) {
-        eprintln!("skipped: no strace here, or it may not trace");
+    if !strace_may_trace() {
         return;
     }
     let home = home();

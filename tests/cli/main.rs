@@ -24,6 +24,7 @@ mod verify;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use program::{Outcome, listing};
 use serde_json::Value;
@@ -77,4 +78,14 @@ fn assert_same_plate(a: &Path, b: &Path, but: &[&str]) {
     if but.is_empty() {
         assert_eq!(facts(a), facts(b));
     }
+}
+
+/// Whether calls of the program can be made to fail or to kill it here; says so if not.
+fn strace_may_trace() -> bool {
+    let strace = Command::new("strace").args(["-f", "-e", "trace=none", "true"]).output();
+    let may = strace.is_ok_and(|done| done.status.success());
+    if !may {
+        eprintln!("skipped: no strace here, or it may not trace");
+    }
+    may
 }

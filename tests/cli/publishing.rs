@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use super::program::{facetmill, finish, home, listing, run_line};
-use super::{SHEET, SMALL, assert_done, assert_refused, names};
+use super::{SHEET, SMALL, assert_done, assert_refused, names, strace_may_trace};
 
 /// Every file below a folder, by its path.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
@@ -85,9 +85,7 @@ fn all_files_have_the_permissions_that_the_user_asks_for() {
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #[test]
 fn a_program_killed_at_any_call_leaves_its_folder_wholly_old_or_wholly_new() {
-    let strace = std::process::Command::new("strace").args(["-f", "-e", "trace=none", "true"]).output();
-    if !strace.is_ok_and(|done| done.status.success()) {
-        eprintln!("skipped: no strace here, or it may not trace");
+    if !strace_may_trace() {
         return;
     }
     let home = home();

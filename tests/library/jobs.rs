@@ -35,7 +35,7 @@ fn done(recipe: &Recipe, cancel: &CancelToken) -> (Outcome, Spent) {
     let picture = ring();
     let listen = |_: Event<'_>| {};
     let progress = Progress::new(&listen, cancel);
-    let job = Job { recipe, picture: &picture, proved: true, memory: MemoryLimit::of_system(1) };
+    let job = Job { recipe, picture: &picture, proved: true, memory: MemoryLimit::NONE };
     let (outcome, spent) = on_own_threads(Some(1), || job.run(None, &mut |_, _| {}, &progress)).unwrap();
     (outcome.unwrap(), spent)
 }

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::sculpt::edge_slopes::{BANDS, EdgeSlopes, SquareEdges};
+use crate::sculpt::edge_slopes::{EdgeSlopes, SquareEdges, added_bands};
 
 use super::fillets::Fillets;
 use super::landing::{Landed, Landing};
@@ -83,14 +83,7 @@ impl PlateLight {
             }
             light
         };
-        let bands: Vec<Vec<f32>> = (0..BANDS).into_par_iter().map(splat).collect();
-        let mut light = vec![0.0f32; bins.side * bins.side];
-        light.par_chunks_mut(1 << 13).enumerate().for_each(|(k, piece)| {
-            for band in &bands {
-                piece.iter_mut().zip(&band[k << 13..]).for_each(|(sum, v)| *sum += v);
-            }
-        });
-        light
+        added_bands(bins.side * bins.side, splat)
     }
 
     /// The gradient with respect to the heights, per mm, of Σ `potential` · light + `weight` · penalty of the concave
