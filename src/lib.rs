@@ -196,6 +196,8 @@ pub mod facets;
 
 pub mod relief;
 
+pub mod milling;
+
 pub mod sculpt;
 
 pub mod trace;

@@ -70,8 +70,8 @@ impl Recipe {
             return Err(RecipeError::TooManyTriangles { triangles: self.triangles(grid), most: most.unwrap_or(0) });
         }
         self.design.sheet.cutter.map_or(Ok(()), Cutter::suits_sheets)?;
-        if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.diameter() > cell.min_element()) {
-            return Err(RecipeError::CutterBeyondCell { diameter: cutter.diameter(), cell: cell.min_element() });
+        if let Some(cutter) = self.design.sheet.cutter.filter(|c| c.tip_diameter() > cell.min_element()) {
+            return Err(RecipeError::CutterBeyondCell { diameter: cutter.tip_diameter(), cell: cell.min_element() });
         }
         if let Some(cutter) = self.design.sheet.cutter {
             not_too_fine(cutter, Tool::least_diameter(cell, grid))?;
@@ -88,7 +88,7 @@ impl Recipe {
 fn not_too_fine(cutter: Cutter, least: f64) -> Result<(), RecipeError> {
     // Rounded up, so that what the message names will do.
     let least = (1e3 * least).ceil() / 1e3;
-    let diameter = cutter.diameter();
+    let diameter = cutter.tip_diameter();
     if diameter < least { Err(RecipeError::CutterTooFine { diameter, least }) } else { Ok(()) }
 }
 

@@ -67,7 +67,7 @@ impl Milled {
 impl Tool {
     /// `cutter` over cells of `cell` mm.
     pub fn new(cell: DVec2, cutter: Cutter) -> Self {
-        let places = (cell.max_element() * PLACES_ACROSS_CUTTER / cutter.diameter()).ceil() as usize;
+        let places = (cell.max_element() * PLACES_ACROSS_CUTTER / cutter.tip_diameter()).ceil() as usize;
         Self { cutter, places: places.next_multiple_of(2).clamp(16, MOST) }
     }
 
