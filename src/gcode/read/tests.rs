@@ -52,7 +52,7 @@ fn arcs_keep_their_centres() {
     };
     let close = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     let quarter = arc("G21 G90 G1 F100 X10 Y0\nG3 X0 Y10 I-10 J0");
-    assert!(close(quarter.centre, [0.0; 2]) && (quarter.turn - 1.570_796_326_8).abs() < 1e-9);
+    assert!(close(quarter.centre, [0.0; 2]) && (quarter.turn - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
     assert!(close(arc("G21G90.1G90G1F100X10Y0\nG3X0Y10I0J0").centre, [0.0; 2]));
     assert!(close(arc("G20G90G1F10X1Y0\nG2X-1R1").centre, [0.0; 2]), "a half circle");
     let helix = arc("G21 G91 G1 F100 Z0\nG2 I5 Z-1 P3");
