@@ -74,6 +74,7 @@
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
 //!    reflection on a wall nearby, [`verify::render`] what a camera sees of the plate.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
+//!     [`goal`] is what a plate may be asked for in place of a drawing: reflectance by name, by measurement or by a map.
 //! 10. **All of it.** [`recipe`] holds every setting with its default, [`job`] goes from one and its picture
 //!     to everything that an output folder holds: [`job::design`] is the way to a plate in a page, [`job::proof`] sends
 //!     light over what comes of it.
@@ -207,6 +208,8 @@ pub mod trace;
 pub mod verify;
 
 pub mod export;
+
+pub mod goal;
 
 pub mod recipe;
 

@@ -7,6 +7,7 @@ use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::findings::Proof;
+use super::goal::GoalProof;
 use crate::export::pixels::encode_png;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::report::design::made_of;
@@ -25,6 +26,8 @@ pub struct Product {
     pub proof: Option<Proof>,
     /// The sheet beside the facets of the same recipe, where both are possible.
     pub comparison: Option<FacetComparison>,
+    /// Its goal, if it was asked for in place of a picture.
+    pub goal: Option<GoalProof>,
 }
 
 impl Product {

@@ -8,6 +8,8 @@ pub mod scores;
 
 pub mod made;
 
+pub mod goal;
+
 pub mod on_wall;
 
 pub mod design;
