@@ -42,6 +42,8 @@ pub enum Stage {
     Scoring,
     /// The cutter is led over the plate, and light sent over what it leaves.
     Milling,
+    /// Programs for a machine are made, read back and judged.
+    Programs,
     /// Flat facets of the same recipe are made and judged.
     Comparison,
     /// Flat facets are made after all.
@@ -74,6 +76,7 @@ impl Stage {
             Self::Tracing => "tracing",
             Self::Scoring => "scoring",
             Self::Milling => "milling",
+            Self::Programs => "programs",
             Self::Comparison => "comparison",
             Self::Facets => "facets",
             Self::Goniometer => "goniometer",
@@ -99,6 +102,7 @@ impl Stage {
             Self::Tracing => "tracing light over the plate",
             Self::Scoring => "scoring",
             Self::Milling => "milling it, and tracing that",
+            Self::Programs => "making programs, and reading them back",
             Self::Comparison => "comparing with flat facets",
             Self::Facets => "making flat facets, which are better here",
             Self::Goniometer => "lighting the plate from all sides",

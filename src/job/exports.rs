@@ -121,6 +121,20 @@ pub const MEASURE: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that `mill` may write.
+pub const MILL: &[&str] = &[
+    "air-cut.nc",
+    "air-cut.ngc",
+    "air-cut.tap",
+    "roughing.nc",
+    "roughing.ngc",
+    "roughing.tap",
+    "finishing.nc",
+    "finishing.ngc",
+    "finishing.tap",
+    "report.json",
+];
+
 /// The names of all files that a design may write.
 pub fn names() -> Vec<&'static str> {
     DESIGN.iter().map(|export| export.name).collect()

@@ -46,7 +46,7 @@ pub fn prove_as_made(
 ) -> Result<MadeProof, DesignError> {
     let progress = mirrored.progress;
     progress.stage(Stage::Milling);
-    let ways = machining.ways(&at_origin(mesh, margin), plate, progress);
+    let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress);
     progress.check()?;
     let mut found: Vec<(Measurement, Verdict)> = Vec::new();
     let mut first = None;
@@ -95,14 +95,6 @@ impl MadeProof {
             finishing_hours: self.hours,
         }
     }
-}
-
-/// The mesh with the lower left corner of its optical area at x = y = 0.
-fn at_origin(mesh: &Mesh, margin: f64) -> Mesh {
-    let (low, _) = mesh.bounds();
-    let [x, y] = [low.x + margin, low.y + margin];
-    let moved = |[a, b, c]: &[f32; 3]| [(f64::from(*a) - x) as f32, (f64::from(*b) - y) as f32, *c];
-    Mesh { vertices: mesh.vertices.iter().map(moved).collect(), triangles: mesh.triangles.clone() }
 }
 
 /// Light of a plate that is not polished: first bounces of every slope, nothing in their way, seen through `blur`.

@@ -60,10 +60,20 @@ pub struct Machining {
 }
 
 impl Machining {
+    /// How low the cutter can stand over the triangles of `mesh` that face up.
+    pub fn tips(&self, mesh: &Mesh) -> TipHeights {
+        TipHeights::new(mesh, self.cutter.profile())
+    }
+
     /// Where the tip should be, over the triangles of `mesh` that face up, for a plate of `plate` mm whose lower left corner
     /// is x = y = 0; of no use if the work is abandoned meanwhile.
     pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Ways {
-        Ways::new(&TipHeights::new(mesh, self.cutter.profile()), plate, &self.passes, self.place(), progress)
+        self.ways_over(&self.tips(mesh), plate, progress)
+    }
+
+    /// The same over triangles that are sorted already.
+    pub fn ways_over(&self, tips: &TipHeights, plate: DVec2, progress: &Progress) -> Ways {
+        Ways::new(tips, plate, &self.passes, [self.place(), self.machine.quantum()], progress)
     }
 
     /// From one place of the tip to the next along a pass, mm.

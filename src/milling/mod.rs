@@ -16,3 +16,5 @@ pub mod passes;
 mod sweep;
 
 pub mod made;
+
+pub mod roughing;

@@ -26,14 +26,19 @@ const CUSPS_GONE: f64 = 2.0;
 /// Of a cutter that is not polished after, the passes for each diameter: cusps then cost about as much as a good machine.
 const PASSES_A_DIAMETER: f64 = 50.0;
 
-/// What `args` ask for, if they name a machine.
-pub fn of(args: &MachiningArgs, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
-    let Some(name) = &args.machine else { return Ok(None) };
-    if recipe.is_near() {
+/// What `args` ask for, if they name a machine, and if the light of what it makes can be proved.
+pub fn proved(args: &MachiningArgs, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
+    if args.machine.is_some() && recipe.is_near() {
         return Err(Failure::Usage(
             "--machine: the proof as made is for lamps and walls far away; leave the scene's flags out".into(),
         ));
     }
+    of(args, recipe)
+}
+
+/// What `args` ask for, if they name a machine.
+pub fn of(args: &MachiningArgs, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
+    let Some(name) = &args.machine else { return Ok(None) };
     let machine = machine(name)?;
     let cutter = args.cutter.or(recipe.design.sheet.cutter).ok_or_else(|| {
         Failure::Usage("--machine: say with --cutter what it cuts with, such as ball:0.5; the recipe names none".into())

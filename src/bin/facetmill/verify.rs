@@ -54,7 +54,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = in_its_scene(args, recipe)?;
     // A pose that cannot be is told before anything is read.
     mounted(recipe.setup(), args.mount)?;
-    let machining = machining::of(&args.machining, &recipe)?;
+    let machining = machining::proved(&args.machining, &recipe)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
