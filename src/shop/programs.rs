@@ -195,8 +195,8 @@ impl Shop {
             _ => (machining.cutter, self.stock.finishing(machining.cutter, &machining.machine, self.spindle)),
         };
         let (feed, plunge, speed) = match part {
-            // Nothing is cut: as fast as rapids, with the spindle standing.
-            Part::AirCut => (machining.machine.rapid, machining.machine.rapid, 0.0),
+            // Nothing is cut: the spindle stands.
+            Part::AirCut => (pace.feed, machining.machine.feed, 0.0),
             _ => (pace.feed, pace.plunge, pace.speed),
         };
         let travel = if part == Part::AirCut { SAFE } else { TRAVEL };

@@ -38,6 +38,8 @@ mod astray;
 
 mod verify;
 
+mod mill_tables;
+
 mod mill;
 
 mod design;

@@ -20,7 +20,7 @@ use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
 use crate::stages::Stages;
-use crate::{inputs, machining, plates, tables};
+use crate::{inputs, machining, mill_tables, plates};
 
 /// Bytes of a program for each place of a pass, at the most: a segment each, of twenty letters, and its moves once read.
 const PLACE: f64 = 300.0;
@@ -28,10 +28,18 @@ const PLACE: f64 = 300.0;
 /// Does what `args` say.
 pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([Some(&args.plate), None])?;
-    let Named { stl, recipe, .. } = plates::named(&args.plate)?;
+    let Named { stl, mut recipe, .. } = plates::named(&args.plate)?;
     within(args)?;
-    let machining = machining::of(&args.machining(), &recipe)?
-        .ok_or_else(|| Failure::Usage("--machine: say on which machine it is made".into()))?;
+    let how = args.machining();
+    args.settings.apply(&mut recipe);
+    machining::named(&how.by, &mut recipe)?;
+    if recipe.machining.machine.is_none() {
+        return Err(Failure::Usage(
+            "say with --machine which machine makes it, such as desktop-good or vmc; no recipe names one".into(),
+        ));
+    }
+    let machining = machining::of(&how, &recipe.machining.clone(), &recipe)?
+        .ok_or_else(|| Failure::Usage("--machine none makes nothing: name a machine".into()))?;
     let read = inputs::given([Some(&args.plate), None])?;
     plates::spare_design(&args.plate, &args.output)?;
     let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MILL, &read), &run.gate)?;
@@ -65,8 +73,8 @@ pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
     stages.finish();
     tell(&args.running, &report, |report| Table {
         title: report.verdict.clone(),
-        rows: tables::mill_in_short(&args.output, report),
-        more: tables::mill(report),
+        rows: mill_tables::mill_in_short(&args.output, report),
+        more: mill_tables::mill(report),
         notes: report.advice.clone(),
     })?;
     Ok(())

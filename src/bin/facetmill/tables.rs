@@ -7,13 +7,12 @@ use facetmill::memory::said;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
-use facetmill::report::mill::{MillReport, ProgramFacts};
+use facetmill::report::made::MadeFacts;
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{MeshFacts, Named};
 use facetmill::sharpen::SCORED_AT;
-use facetmill::shop::programs::duration;
 use facetmill::verify::verdict::{BLURS, MAIN_BLUR};
 
 /// Name, value and meaning of a figure.
@@ -43,16 +42,23 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
         told("plate", format!("{width} × {height} mm of {made_of}, relief {relief_height_mm:.3} mm")),
         told("stock", format!("{stock:.2} mm thick{mounted}")),
     ];
-    let milled = report.as_milled.as_ref().map(|milled| &milled.scores);
-    rows.extend(milled.or(report.designed.as_ref()).map(light));
+    let milled = report.as_milled.as_ref().map(|milled| (&milled.scores, "comparison_milled.png"));
+    let made = report.as_made.as_ref().map(|made| (&made.scores, "comparison_made.png"));
+    let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
+    rows.extend(scored.map(|(scores, _)| light(scores)));
+    rows.extend(report.as_made.as_ref().map(|made| made_in_short(made)));
     rows.push(told("file", file(folder, report)));
-    let picture = match (milled, &report.designed) {
-        (Some(_), _) => "comparison_milled.png",
-        (None, Some(_)) => "comparison.png",
-        (None, None) => "relief.png",
-    };
+    let picture = scored.map_or("relief.png", |(_, picture)| picture);
     rows.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(picture)))));
     rows
+}
+
+/// How it is made.
+fn made_in_short(made: &MadeFacts) -> Row {
+    let MadeFacts { machine, cutter, stepover_mm, finishing_hours, .. } = made;
+    let polish = made.polish_mm.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+    let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart", machine.name);
+    told("made", format!("by {passes}, {finishing_hours:.1} h at {} mm/min; {polish}", machine.feed))
 }
 
 /// The plate's file and its size.
@@ -104,54 +110,13 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
     ]
 }
 
-/// Programs that were written into `folder`, in a few lines.
-pub fn mill_in_short(folder: &Path, report: &MillReport) -> Vec<Row> {
-    let [width, height, thickness] = report.stock_mm;
-    let mut rows = vec![
-        told("stock", format!("{} {width:.2} × {height:.2} × {thickness:.2} mm", report.stock)),
-        told("zero", report.zero.clone()),
-    ];
-    rows.extend(report.programs.iter().map(|program| program_row(folder, program)));
-    rows
-}
-
-fn program_row(folder: &Path, program: &ProgramFacts) -> Row {
-    let ProgramFacts { cutter, feed_mm_per_min, turns_per_min, read, .. } = program;
-    let pace = match program.part.as_str() {
-        "air cut" => "the spindle standing".to_owned(),
-        _ => format!("{cutter}, {feed_mm_per_min:.0} mm/min, {turns_per_min:.0} turns a minute"),
-    };
-    let time = duration(3600.0 * read.hours);
-    told(&program.part, format!("{}: {pace}; {time}, {} lines", shown(&folder.join(&program.file)), read.lines))
-}
-
-/// All figures of programs.
-pub fn mill(report: &MillReport) -> Vec<Row> {
-    let mut rows = vec![
-        row("machine", report.machine.name.clone(), format!("control {}", report.dialect)),
-        row("stepover", format!("{} mm", report.stepover_mm), "from one finishing pass to the next"),
-        row("cusps", format!("{:.4} µm", report.cusp_height_um), "between them, over a level plate"),
-        row("decimals", report.machine.decimals.to_string(), "of the finishing program"),
-    ];
-    for program in &report.programs {
-        let name = &program.part;
-        rows.push(row(name, format!("{:.0}", program.read.lines_per_second), "lines a second at the most"));
-        rows.push(row(name, format!("{:.1} m", 1e-3 * program.read.cut_mm), "along its cuts"));
-        if let Some([low, high]) = program.read.bounds_mm {
-            let axis = |k: usize| format!("{:.3} to {:.3}", low[k], high[k]);
-            rows.push(row(name, "bounds", format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2))));
-        }
-    }
-    rows
-}
-
 /// A line without a figure of its own.
-fn told(name: &str, what: String) -> Row {
+pub fn told(name: &str, what: String) -> Row {
     row(name, "", what)
 }
 
 /// A path, as it is told.
-fn shown(path: &Path) -> String {
+pub fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
@@ -181,6 +146,7 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         let likeness = format!("likeness {:.3}", Scores::main(&scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&scores.tv_incident)), likeness));
     }
+    table.extend(report.as_made.iter().flat_map(made));
     if let Some(beside) = &report.beside_facets {
         let ([across, up], tv) = (beside.facets, beside.tv_incident_1deg);
         let (other, misplaced, what) = match report.design.continuous {
@@ -350,26 +316,31 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
     }
-    if let Some(made) = &report.as_made {
-        let likeness = format!("likeness {:.3}", Scores::main(&made.scores.ssim));
-        table.push(row("misplaced as made", percent(Scores::main(&made.scores.tv_incident)), likeness));
-        if let [_, .., last] = made.tv_incident_1deg_by_draw.as_slice() {
-            let draws = &made.tv_incident_1deg_by_draw;
-            let [low, high] = draws.iter().fold([*last; 2], |[low, high], v| [low.min(*v), high.max(*v)]);
-            let from = format!("{} to {}", percent(low), percent(high));
-            table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
-        }
-        let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
-        table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
-        table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
-        let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
-        table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
-    }
+    table.extend(report.as_made.iter().flat_map(made));
     if let Some(allowed) = &report.at_most {
         let kept = if allowed.kept { "kept" } else { "not kept" };
         let limit = format!("at most {} at a blur of {}°: {kept}", percent(allowed.share), allowed.blur_deg);
         table.push(row("allowed", percent(allowed.tv_incident), limit));
     }
+    table
+}
+
+/// A plate as a machine makes it.
+fn made(made: &MadeFacts) -> Vec<Row> {
+    let mut table = Vec::new();
+    let likeness = format!("likeness {:.3}", Scores::main(&made.scores.ssim));
+    table.push(row("misplaced as made", percent(Scores::main(&made.scores.tv_incident)), likeness));
+    if let [_, .., last] = made.tv_incident_1deg_by_draw.as_slice() {
+        let draws = &made.tv_incident_1deg_by_draw;
+        let [low, high] = draws.iter().fold([*last; 2], |[low, high], v| [low.min(*v), high.max(*v)]);
+        let from = format!("{} to {}", percent(low), percent(high));
+        table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
+    }
+    let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
+    table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
+    table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
+    let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
+    table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
     table
 }
 

@@ -7,7 +7,8 @@ use facetmill::cutter::Cutter;
 use facetmill::gcode::dialect::Dialect;
 use facetmill::shop::feeds::Stock;
 
-use super::{MachiningArgs, PlacingArgs, RunningArgs};
+use super::settings::{ByMill, SettingFlags};
+use super::{MachineArgs, MachiningArgs, PlacingArgs, RunningArgs};
 use crate::values::number;
 
 #[derive(Debug, Args)]
@@ -19,12 +20,12 @@ pub struct MillArgs {
     /// Folder for the programs; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: PathBuf,
-    /// The machine: desktop, desktop-good, vmc, vmc-good, ultraprecision, or a TOML file
+    /// The machine: desktop, desktop-good, vmc, vmc-good, ultraprecision, or a TOML file  [default: the recipe's]
     ///
     /// It says feed, rapids, acceleration, decimals, how far apart teeth cut and how many lines a second the control takes.
     /// What the presets assume stands in docs/milling.md.
     #[arg(long, value_name = "NAME|FILE", help_heading = "Machine")]
-    pub machine: String,
+    pub machine: Option<String>,
     /// The control: grbl, linuxcnc, mach3 or iso  [default: grbl for desktop machines, else iso]
     ///
     /// Files end as its shops expect: .nc, .ngc, .tap, .nc. For grbl no % and M6 are written, and no more than 400 lines a
@@ -38,15 +39,8 @@ pub struct MillArgs {
     /// The finishing cutter: ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
     #[arg(long, value_name = "CUTTER", help_heading = "Finishing")]
     pub cutter: Option<Cutter>,
-    /// From one pass to the next, mm  [default: what the polish takes away, else a fiftieth of the cutter]
-    #[arg(long, value_name = "MM", help_heading = "Finishing", value_parser = number)]
-    pub stepover: Option<f64>,
-    /// Direction of the passes, degrees from +x toward +y  [default: 0]
-    #[arg(long, value_name = "DEG", help_heading = "Finishing", allow_hyphen_values = true, value_parser = number)]
-    pub pass_angle: Option<f64>,
-    /// Cut every other pass on the way back: a quarter faster, and as rough as the machine's play
-    #[arg(long, help_heading = "Finishing")]
-    pub zigzag: bool,
+    #[command(flatten)]
+    pub settings: SettingFlags<ByMill>,
     /// Polish that is assumed afterwards, mm: the standard deviation of the Gaussian that smooths heights  [default: the recipe's]
     ///
     /// It only chooses how far apart passes are, and stands in the heading. 0 is none.
@@ -89,13 +83,9 @@ impl MillArgs {
     /// How the finishing passes go, as `verify --machine` takes it.
     pub fn machining(&self) -> MachiningArgs {
         MachiningArgs {
-            machine: Some(self.machine.clone()),
+            by: MachineArgs { machine: self.machine.clone() },
             cutter: self.cutter,
-            stepover: self.stepover,
-            pass_angle: self.pass_angle,
-            zigzag: self.zigzag,
             polish: self.polish,
-            ..MachiningArgs::default()
         }
     }
 }

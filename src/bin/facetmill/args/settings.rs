@@ -35,11 +35,26 @@ pub struct ByVerify;
 impl Takes for ByVerify {
     fn takes(setting: &Setting) -> bool {
         let of_scene = setting.section == Section::Scene && !["near", "focus"].contains(&setting.name);
-        setting.section == Section::Optics || of_scene || ["rays", "seed", "eye-distance"].contains(&setting.name)
+        let whole = [Section::Optics, Section::Machining].contains(&setting.section);
+        whole || of_scene || ["rays", "seed", "eye-distance"].contains(&setting.name)
     }
 
     fn shown(setting: &Setting, flag: Arg) -> Arg {
         if setting.name == "seed" { seed_of_rays(flag, setting) } else { flag }
+    }
+}
+
+/// `facetmill mill` takes how passes go.
+#[derive(Clone, Copy, Debug)]
+pub struct ByMill;
+
+impl Takes for ByMill {
+    fn takes(setting: &Setting) -> bool {
+        ["stepover", "pass-angle", "pass-order"].contains(&setting.name)
+    }
+
+    fn shown(_: &Setting, flag: Arg) -> Arg {
+        flag.help_heading("Finishing")
     }
 }
 
