@@ -84,7 +84,7 @@ pub struct Amiss {
 
 impl Amiss {
     /// Takes the worst place of a move, if any is amiss.
-    fn take(&mut self, line: u32, worst: Option<(f64, DVec3)>) {
+    pub(crate) fn take(&mut self, line: u32, worst: Option<(f64, DVec3)>) {
         let Some((by, place)) = worst else { return };
         self.moves += 1;
         if self.moves == 1 {
@@ -132,12 +132,7 @@ fn worst(
 }
 
 /// The worst places of all of `moves` together, each looked at as `worst` says.
-fn all_worst(
-    program: &Program,
-    moves: &[Move],
-    step: f64,
-    below: &(impl Fn(DVec3) -> Option<f64> + Sync),
-) -> Amiss {
+fn all_worst(program: &Program, moves: &[Move], step: f64, below: &(impl Fn(DVec3) -> Option<f64> + Sync)) -> Amiss {
     let found: Vec<_> = moves.par_iter().map(|one| worst(program, one, step, below)).collect();
     let mut amiss = Amiss::default();
     moves.iter().zip(found).for_each(|(one, found)| amiss.take(one.motion.line, found));

@@ -257,7 +257,7 @@ pub enum MachiningError {
 }
 
 /// Columns smoothed, of whose rows every `every`-th is kept.
-fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
+pub(super) fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
     let count = rows.len() / columns;
     let kept = (count - 1) / every + 1;
     let mut out = vec![0.0f32; columns * kept];

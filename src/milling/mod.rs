@@ -17,4 +17,6 @@ mod sweep;
 
 pub mod made;
 
+pub mod swept;
+
 pub mod roughing;

@@ -119,8 +119,7 @@ impl Ways {
     pub fn programs(&self, machine: &Machine, zigzag: bool) -> Vec<Vec<DVec3>> {
         let program = |(k, (y, way)): (usize, &(f64, Way))| {
             let ends = way.programmed(machine).into_iter();
-            let mut ends: Vec<DVec3> =
-                ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
+            let mut ends: Vec<DVec3> = ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
             if zigzag && k % 2 == 1 {
                 ends.reverse();
             }

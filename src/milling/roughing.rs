@@ -79,8 +79,7 @@ impl Roughing {
                 for run in runs(row, above) {
                     let way: Vec<[f64; 2]> = run.map(|i| [at(i), row[i].max(floor)]).collect();
                     let kept = reduced(&way, CHORD, SHORTEST);
-                    let mut track: Vec<DVec3> =
-                        kept.iter().map(|i| DVec3::new(way[*i][0], *y, way[*i][1])).collect();
+                    let mut track: Vec<DVec3> = kept.iter().map(|i| DVec3::new(way[*i][0], *y, way[*i][1])).collect();
                     if k % 2 == 1 {
                         track.reverse();
                     }

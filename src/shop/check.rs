@@ -5,8 +5,9 @@ use std::fmt;
 use glam::{DVec2, DVec3};
 
 use super::blank::Blank;
+use super::standing::hit_rapids;
 use crate::cutter::Cutter;
-use crate::gcode::check::{Amiss, Extent, blind_moves, extent, gouges, low_rapids, strays};
+use crate::gcode::check::{Amiss, Extent, blind_moves, extent, gouges, strays};
 use crate::gcode::dialect::Dialect;
 use crate::gcode::findings::Note;
 use crate::gcode::program::{Program, Seal};
@@ -15,14 +16,13 @@ use crate::gcode::timing::{Kinematics, Timing, timing};
 use crate::milling::machine::Machine;
 use crate::milling::tip::TipHeights;
 
-/// How far from one place to the next a move is looked at, mm; and a rapid.
+/// How far from one place to the next a cut is looked at, mm.
 const STEP: f64 = 0.1;
-const RAPID_STEP: f64 = 0.5;
 
 /// How far beside the stock a cutter may go, beyond its own width, mm: to go down and to turn.
 const BESIDE: f64 = 1.0;
 
-/// How far a rapid may pass below a surface before it counts, mm: half of the last of three decimals.
+/// How much deeper than its teeth are long a cutter may go before it counts, mm: half of the last of three decimals.
 const HAIR: f64 = 5e-4;
 
 /// Moves that a control looks ahead: GRBL's buffer, and what larger controls have at the least.
@@ -225,14 +225,10 @@ impl Against<'_> {
     fn places(&self, program: &Program) -> Vec<Trouble> {
         let size = self.blank.size();
         let origin = self.origin;
-        let lowest = |place: DVec2| {
-            Some(self.tips.at(place - origin.truncate()) + origin.z).filter(|height| height.is_finite())
-        };
+        let lowest =
+            |place: DVec2| Some(self.tips.at(place - origin.truncate()) + origin.z).filter(|height| height.is_finite());
         let reach = self.cutter.reach();
-        let over_stock = |place: DVec2| {
-            let beside = place.clamp(DVec2::ZERO, size.truncate()).distance(place);
-            if beside < reach { -HAIR } else { f64::NEG_INFINITY }
-        };
+        let over_stock = |place: DVec2| place.clamp(DVec2::ZERO, size.truncate()).distance(place) < reach;
         let wide = DVec3::new(1.0, 1.0, 0.0) * (2.0 * reach + BESIDE);
         let unbounded = DVec3::new(0.0, 0.0, 1e6);
         let sides = strays(program, -wide - unbounded, size.with_z(0.0) + wide + unbounded);
@@ -240,13 +236,13 @@ impl Against<'_> {
         let floor = strays(program, -far - DVec3::Z * size.z, far + DVec3::Z * 1e6);
         let mut found = vec![
             (What::Gouge, gouges(program, lowest, self.tolerance, STEP)),
-            (What::RapidInMaterial, low_rapids(program, over_stock, RAPID_STEP)),
+            (What::RapidInMaterial, hit_rapids(program, size.truncate(), self.cutter.profile())),
             (What::OutOfStock, sides),
             (What::BelowFloor, floor),
             (What::Blind, blind_moves(program)),
         ];
         if let Some(flutes) = self.flutes {
-            let within = |place: DVec2| Some(-flutes).filter(|_| over_stock(place).is_finite());
+            let within = |place: DVec2| Some(-flutes).filter(|_| over_stock(place));
             found.push((What::BeyondFlutes, gouges(program, within, HAIR, f64::INFINITY)));
         }
         found.into_iter().filter(|(_, amiss)| !amiss.is_none()).map(|(what, amiss)| trouble(what, &amiss)).collect()

@@ -32,7 +32,8 @@ pub const STOCKS: [Stock; 5] = [
 ];
 
 /// Where the figures are from, in a sentence for people.
-pub const SOURCE: &str = "starting values, from the carbide table of G. W. Schultz Tool: machine, clamping and coolant decide";
+pub const SOURCE: &str =
+    "starting values, from the carbide table of G. W. Schultz Tool: machine, clamping and coolant decide";
 
 /// Depth of one level of roughing, and from one of its passes to the next, as shares of the cutter's diameter; usual for
 /// light machines, and to be raised where there is more power.
@@ -74,7 +75,8 @@ impl Stock {
     /// For finishing: no faster than `machine`'s feed, and so that its teeth cut as far apart as it is said of it, or as
     /// chips want where nothing is said.
     pub fn finishing(&self, cutter: Cutter, machine: &Machine, spindle: Spindle) -> Pace {
-        let tooth = if machine.feed_per_tooth > 0.0 { machine.feed_per_tooth } else { self.chip * cutter.tip_diameter() };
+        let tooth =
+            if machine.feed_per_tooth > 0.0 { machine.feed_per_tooth } else { self.chip * cutter.tip_diameter() };
         let a_turn = tooth * spindle.teeth;
         let speed = self.speed(cutter, spindle).min(machine.feed / a_turn);
         let feed = machine.feed.min(speed * a_turn);

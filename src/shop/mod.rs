@@ -6,6 +6,10 @@ pub mod feeds;
 
 pub mod blank;
 
+pub mod standing;
+
+pub mod surface;
+
 pub mod check;
 
 pub mod programs;

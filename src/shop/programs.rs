@@ -166,7 +166,9 @@ impl Shop {
         let size = self.blank.size();
         let corner = |x: f64, y: f64| DVec3::new(x * size.x, y * size.y, SAFE);
         let mut air = vec![
-            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (1.0, 1.0)].map(|(x, y)| corner(x, y)).to_vec(),
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0), (1.0, 1.0)]
+                .map(|(x, y)| corner(x, y))
+                .to_vec(),
             vec![corner(1.0, 0.0), corner(0.0, 1.0)],
         ];
         let chosen = [0, tracks.len() / 2, tracks.len().saturating_sub(1)];
@@ -271,7 +273,9 @@ impl Shop {
                 machine.decimals
             ),
             match polish {
-                Some(sigma) => format!("Assumes a polish of {:.0} µm afterwards: it takes the cusps away", 1000.0 * sigma),
+                Some(sigma) => {
+                    format!("Assumes a polish of {:.0} µm afterwards: it takes the cusps away", 1000.0 * sigma)
+                }
                 None => "Assumes no polish afterwards".to_owned(),
             },
         ]
@@ -285,12 +289,7 @@ fn judged_text(text: &[u8], against: &Against) -> Result<Judgement, ShopError> {
 fn bounds_in_words(judgement: &Judgement) -> String {
     let Some(Bounds { low, high }) = judgement.extent.all else { return "Bounds: none".to_owned() };
     let axis = |name: char, low: f64, high: f64| format!("{name} {low:.3} to {high:.3}");
-    format!(
-        "Bounds: {}, {}, {} mm",
-        axis('X', low.x, high.x),
-        axis('Y', low.y, high.y),
-        axis('Z', low.z, high.z)
-    )
+    format!("Bounds: {}, {}, {} mm", axis('X', low.x, high.x), axis('Y', low.y, high.y), axis('Z', low.z, high.z))
 }
 
 /// A time as a person reads it.

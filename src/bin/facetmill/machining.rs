@@ -47,7 +47,11 @@ pub fn of(args: &MachiningArgs, settings: &MachiningSettings, recipe: &Recipe) -
 }
 
 /// The same, if the light of what it makes can be proved.
-pub fn proved(args: &MachiningArgs, settings: &MachiningSettings, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
+pub fn proved(
+    args: &MachiningArgs,
+    settings: &MachiningSettings,
+    recipe: &Recipe,
+) -> Result<Option<Machining>, Failure> {
     let machining = of(args, settings, recipe)?;
     if machining.is_some() && recipe.is_near() {
         return Err(Failure::Usage(

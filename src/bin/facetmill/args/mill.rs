@@ -82,10 +82,6 @@ pub struct MillArgs {
 impl MillArgs {
     /// How the finishing passes go, as `verify --machine` takes it.
     pub fn machining(&self) -> MachiningArgs {
-        MachiningArgs {
-            by: MachineArgs { machine: self.machine.clone() },
-            cutter: self.cutter,
-            polish: self.polish,
-        }
+        MachiningArgs { by: MachineArgs { machine: self.machine.clone() }, cutter: self.cutter, polish: self.polish }
     }
 }
