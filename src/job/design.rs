@@ -26,6 +26,8 @@ use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
 use crate::trace::mesh::MeshSurfaceError;
+use crate::trace::traced_plate::TracedPlateError;
+use crate::verify::tally::MeasureError;
 
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
@@ -192,7 +194,7 @@ fn continuous(
     let mut near = NearDesign::new(recipe, distribution);
     if let Some(near) = &mut near {
         progress.stage_with(Stage::Room, &near.why);
-        near.finish(recipe, distribution, &sheet, progress);
+        near.finish(recipe, distribution, &sheet, progress)?;
         progress.check()?;
         clock.lap(Stage::Room);
         shallow_enough(near.depth(), recipe.design.sheet.max_depth)?;
@@ -201,9 +203,10 @@ fn continuous(
     progress.stage(Stage::Solid);
     let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
     let (mesh, relief) = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
-        Some(near) => (sheet_solid(&near.relief, thickness, rim)?, near.relief.faceted()),
-        None => (sheet_solid(&sheet.relief, thickness, rim)?, sheet.relief.faceted()),
+        Some(near) => (sheet_solid(&near.relief, thickness, rim, progress)?, near.relief.faceted()),
+        None => (sheet_solid(&sheet.relief, thickness, rim, progress)?, sheet.relief.faceted()),
     };
+    progress.check()?;
     let relief = relief.with_rim(rim);
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, near, relief, mesh, ended_early })
@@ -257,7 +260,7 @@ fn faceted(
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);
-    let mesh = solid(&relief, recipe.plate.thickness)?;
+    let mesh = solid(&relief, recipe.plate.thickness, progress)?;
     clock.lap(Stage::Solid);
     let facets = Some(Facets { grid, steps });
     Ok(Shaped { facets, sheet: None, least_stray: None, near, relief, mesh, ended_early })
@@ -312,10 +315,10 @@ pub enum DesignError {
     SlopeDistribution(#[from] DistributionError),
     /// No solid.
     #[error(transparent)]
-    Solid(#[from] SolidError),
+    Solid(SolidError),
     /// No solid of a sheet.
     #[error(transparent)]
-    Sheet(#[from] SheetError),
+    Sheet(SheetError),
     /// The sheet's triangles cannot be traced.
     #[error(transparent)]
     Mesh(#[from] MeshSurfaceError),
@@ -349,6 +352,42 @@ impl From<SculptError> for DesignError {
             SculptError::Cutter(cutter) => RecipeError::from(cutter).into(),
             SculptError::TooNarrow(narrow) => narrow.into(),
             SculptError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
+}
+
+impl From<SolidError> for DesignError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::Solid(error),
+        }
+    }
+}
+
+impl From<SheetError> for DesignError {
+    fn from(error: SheetError) -> Self {
+        match error {
+            SheetError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::Sheet(error),
+        }
+    }
+}
+
+impl From<TracedPlateError> for DesignError {
+    fn from(error: TracedPlateError) -> Self {
+        match error {
+            TracedPlateError::Cancelled(cancelled) => cancelled.into(),
+            TracedPlateError::Mesh(error) => error.into(),
+        }
+    }
+}
+
+impl From<MeasureError> for DesignError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Cancelled(cancelled) => cancelled.into(),
+            MeasureError::NoLight => Self::NoLight,
         }
     }
 }
