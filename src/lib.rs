@@ -192,6 +192,8 @@ pub mod distribution;
 
 pub mod cutter;
 
+pub mod gcode;
+
 pub mod facets;
 
 pub mod relief;

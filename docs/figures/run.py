@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the figures that README.md and docs/method.md state, each from the command that it belongs to.
+"""Prints the figures that README.md, docs/method.md and docs/milling.md state, each from the command that it belongs to.
 
     cargo build --release --locked
     python3 docs/figures/run.py                # all of them: about ten CPU minutes
@@ -35,6 +35,22 @@ def report(picture, flags="", command="design"):
         if run.returncode:
             sys.exit(f"{' '.join(words)}\n{run.stderr}")
         return json.loads(run.stdout)
+
+
+def as_made(picture, design, machine, polish):
+    """What is said of a plate as a machine makes it, passes 0.02 mm apart."""
+    with tempfile.TemporaryDirectory() as folder:
+        drawing, plate = str(PICTURES / f"{picture}.png"), f"{folder}/plate"
+        said = []
+        for words in [
+            ["design", drawing, "-o", plate, "--no-verify", *design.split()],
+            ["verify", plate, "--machine", machine, "--stepover", "0.02", "--polish", polish],
+        ]:
+            run = subprocess.run([PROGRAM, *words, "--json"], capture_output=True, text=True, cwd=ROOT)
+            if run.returncode:
+                sys.exit(f"{' '.join(words)}\n{run.stderr}")
+            said.append(json.loads(run.stdout))
+        return said[-1]["as_made"]
 
 
 def tv(figures, blur="1"):
@@ -206,6 +222,20 @@ def both_kinds():
             f"designed: facets {facets[0]:.4f}, sheet {tv(bare['designed']):.4f}",
             f"cut: facets {facets[1]:.4f}, sheet {tv(said['as_milled']):.4f}",
         )
+
+
+@group
+def machines():
+    """docs/milling.md: portrait, TV(1) / SSIM(0.5) as made, passes 0.02 mm apart."""
+    plates = [
+        ("--for-cutter ball:0.5", "0"),
+        ("--for-cutter ball:0.5", "0.04"),
+        ("--for-cutter ball:0.5 --polish 0.04", "0.04"),
+        ("--cells 1 --for-cutter ball:2 --polish 0.06", "0.06"),
+    ]
+    for machine in ["desktop", "desktop-good", "vmc", "vmc-good", "ultraprecision"]:
+        made = [as_made("portrait", design, machine, polish) for design, polish in plates]
+        row(machine, *(f"{tv(m):.4f} / {m['ssim']['0.5']:.3f}" for m in made), f"{made[0]['finishing_hours']:.1f} h")
 
 
 def main(names):

@@ -91,6 +91,22 @@ impl Cutter {
         }
     }
 
+    /// The same cutter, larger all around by `by` mm, or smaller.
+    pub fn grown(self, by: f64) -> Self {
+        let wider = |diameter: f64| (diameter + 2.0 * by).max(0.0);
+        match self {
+            Self::Ball { diameter } => Self::Ball { diameter: wider(diameter) },
+            Self::BullNose { diameter, corner } => {
+                Self::BullNose { diameter: wider(diameter), corner: (corner + by).max(0.0) }
+            }
+            Self::Flat { diameter } => Self::Flat { diameter: wider(diameter) },
+            Self::Cone { angle, tip, diameter } => Self::Cone { angle, tip: wider(tip), diameter: wider(diameter) },
+            Self::TaperedBall { tip, angle, diameter } => {
+                Self::TaperedBall { tip: wider(tip), angle, diameter: wider(diameter) }
+            }
+        }
+    }
+
     /// Distance from the axis beyond which it touches nothing, mm.
     pub fn reach(self) -> f64 {
         0.5 * self.diameter()

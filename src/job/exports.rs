@@ -89,7 +89,15 @@ pub const DESIGN: &[Export] = &[
 ];
 
 /// Every file that a verification may write.
-pub const VERIFY: &[&str] = &["target.png", "simulated.png", "comparison.png", "comparison_milled.png", "report.json"];
+pub const VERIFY: &[&str] = &[
+    "target.png",
+    "simulated.png",
+    "comparison.png",
+    "comparison_milled.png",
+    "comparison_made.png",
+    "as-made.stl",
+    "report.json",
+];
 
 /// Every file that any measurement may write.
 pub const MEASURE: &[&str] = &[

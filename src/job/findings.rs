@@ -1,6 +1,8 @@
 //! What a proof finds: light, and what is said of it.
 
+use crate::milling::made::Machining;
 use crate::raster::Raster;
+use crate::relief::open::OpenRelief;
 use crate::scene::Scene;
 use crate::sculpt::detail::Detail;
 use crate::verify::elsewhere::ThrownElsewhere;
@@ -23,6 +25,8 @@ pub struct Proof {
     pub sheet: Option<SheetProof>,
     /// The same of the plate as its cutter leaves it, if one is named.
     pub milled: Option<MilledProof>,
+    /// The same as a machine makes it, if one is named.
+    pub made: Option<MadeProof>,
     /// Light of the rim, if there is one.
     pub rim: Option<RimProof>,
     /// Light on the wall, in a scene that has one.
@@ -62,6 +66,25 @@ pub struct MilledProof {
     pub measurement: Measurement,
     /// The figures.
     pub verdict: Verdict,
+}
+
+/// Light sent over a plate as a machine makes it.
+#[derive(Clone, Debug)]
+pub struct MadeProof {
+    /// How it is made.
+    pub machining: Machining,
+    /// Its surface in the first draw of the machine's errors, if it is polished.
+    pub surface: Option<OpenRelief>,
+    /// What the light did there.
+    pub measurement: Measurement,
+    /// The figures of that.
+    pub verdict: Verdict,
+    /// In each draw, the share of the light that is misplaced or lost at a blur of 1°.
+    pub draws: Vec<f64>,
+    /// Share of the light within half a degree of where a level plate throws it, less what the drawing has there.
+    pub central_spot: f64,
+    /// Time of the finishing passes, hours.
+    pub hours: f64,
 }
 
 impl RimProof {

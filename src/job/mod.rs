@@ -22,6 +22,8 @@ pub mod on_wall;
 
 pub mod proof;
 
+pub mod made;
+
 pub mod compare;
 
 pub mod memory;

@@ -230,7 +230,7 @@ pub(super) fn prove_in_room(
         }
     }
     let target = room.target(measuring.resolution);
-    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall })
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, made: None, rim, wall })
 }
 
 /// Light of a rim beside that of the plate on its wall; what falls into the picture is looked at.

@@ -40,6 +40,8 @@ pub struct ProofPictures {
     pub comparison: RgbImage,
     /// `comparison_milled.png`: the same of the plate as its cutter leaves it, if there is a cutter or polish.
     pub milled: Option<RgbImage>,
+    /// `comparison_made.png`: the same of the plate as a machine makes it, if one is named.
+    pub made: Option<RgbImage>,
 }
 
 impl ProofPictures {
@@ -58,6 +60,12 @@ impl ProofPictures {
             let image = as_drawn(&milled.measurement.whole.lit_image(), recipe);
             drawn.beside(&image, &milled.verdict, &how)
         });
+        let made = proof.made.as_ref().map(|made| {
+            let polish =
+                made.machining.polish.map_or(String::new(), |sigma| format!(", polished {:.0} µm", 1e3 * sigma));
+            let how = format!("by {}{polish}, ", made.machining.machine.name);
+            drawn.beside(&as_drawn(&made.measurement.whole.lit_image(), recipe), &made.verdict, &how)
+        });
         progress.check()?;
         let simulated_picture = tone_mapped(&simulated, common_white(&drawn.sharp));
         if let Some(wall) = &proof.wall {
@@ -66,11 +74,12 @@ impl ProofPictures {
                 comparison: wall_page(wall, &wall.designed, view, "", footer),
                 simulated: simulated_picture,
                 milled: wall.milled.as_ref().map(|light| wall_page(wall, light, view, &how, footer)).or(milled),
+                made,
             });
         }
         let comparison = drawn.beside(&simulated, &proof.verdict, "");
         progress.check()?;
-        Ok(Self { comparison, simulated: simulated_picture, milled })
+        Ok(Self { comparison, simulated: simulated_picture, milled, made })
     }
 }
 

@@ -71,7 +71,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet, milled, rim, wall: None })
+    Ok(Proof { target, measurement, verdict, sheet, milled, made: None, rim, wall: None })
 }
 
 /// Light over the optical area, and over the rim around it if it has a width.

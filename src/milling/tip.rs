@@ -136,6 +136,11 @@ impl TipHeights {
         }
     }
 
+    /// The curve of the cutter's underside.
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
     /// Height of the tip at `at` (mm, in the mesh's frame) when the cutter rests on the triangles, mm; -∞ where it meets
     /// none.
     pub fn at(&self, at: DVec2) -> f64 {

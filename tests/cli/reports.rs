@@ -128,6 +128,10 @@ fn every_report_is_what_the_published_schema_says() {
         (format!("design ring.png --dry-run {sheet} --for-cutter ball:0.5"), "EstimateReport"),
         (format!("design ring.png -o room {sheet} --lamp-distance 300 --wall 300 --polish 0.01"), "DesignReport"),
         ("verify facets/plate.stl --against ring.png -o proof --rays 20000".into(), "VerifyReport"),
+        (
+            "verify sheet -o made --rays 20000 --machine vmc --polish 0.03 --draws 2 --at-most 0.9".into(),
+            "VerifyReport",
+        ),
         ("verify sheet/plate.stl --against ring.png -o wall --rays 20000 --wall 300 --margin 1".into(), "VerifyReport"),
         ("measure facets -o m1 --rays 20000".into(), "MeasureReport"),
         ("measure facets -o m2 --brdf --polar 2 --azimuths 4 --half-vectors 8x8 --rays 1000".into(), "MeasureReport"),

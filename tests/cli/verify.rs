@@ -83,6 +83,64 @@ fn a_folder_with_a_cutter_is_milled_again_with_the_designs_own_figures() {
 }
 
 #[test]
+fn a_plate_is_proved_as_a_machine_makes_it() {
+    let home = home();
+    let plate = "--surface continuous --grid 64 --cells 1 --size 6x6 --for-cutter ball:1 --polish 0.02";
+    assert_done(&run_line(home.path(), &format!("design ring.png -o ring --rays 100000 {plate}")));
+    let made = |flags: &str| {
+        let done = run_line(home.path(), &format!("verify ring --rays 100000 --json {flags}"));
+        assert_done(&done);
+        serde_json::from_str::<Value>(&done.stdout).unwrap()
+    };
+    // Passes as close as this, and a machine as good, come near what is milled without steps; coarser ones do not.
+    let fine = made("--machine ultraprecision --stepover 0.01 -o fine --as-made-stl");
+    let coarse = made("--machine desktop --stepover 0.05 --polish 0");
+    let [milled, near, far] = [tv(&fine, "as_milled"), tv(&fine, "as_made"), tv(&coarse, "as_made")];
+    assert!((near - milled).abs() < 0.004 && far > near + 0.05, "{milled} {near} {far}");
+    assert_eq!(
+        (&coarse["as_made"]["cutter"], &coarse["as_made"]["machine"]["name"]),
+        (&"ball:1".into(), &"desktop".into())
+    );
+    // Cusps between passes w apart by a ball of radius R: w²/8R, 0.625 µm.
+    assert!((coarse["as_made"]["cusp_height_um"].as_f64().unwrap() - 0.625).abs() < 0.002);
+    assert!(home.path().join("fine/comparison_made.png").exists());
+    // The file of the surface as made throws the light that was told.
+    let again = run_line(home.path(), "verify fine/as-made.stl --against ring.png --rays 100000 --json");
+    assert_done(&again);
+    let again = tv(&serde_json::from_str(&again.stdout).unwrap(), "measured");
+    assert!((again - near).abs() < 0.002, "{again} {near}");
+    // The same draw is the same plate; another is not.
+    let rough = "--machine vmc --stepover 0.04 --polish 0.03";
+    let draws = |report: &Value| report["as_made"]["tv_incident_1deg_by_draw"].as_array().unwrap().clone();
+    let (three, one) = (draws(&made(&format!("{rough} --draws 3"))), draws(&made(rough)));
+    assert!(three[0] == one[0] && three[1] != one[0] && three.len() == 3, "{three:?} {one:?}");
+    let limit = run_line(home.path(), &format!("verify ring --rays 100000 --machine desktop --at-most {near}"));
+    assert_eq!(limit.code, Some(1));
+    assert!(limit.stderr.contains("as made"), "{limit:?}");
+}
+
+#[test]
+fn what_cannot_be_made_is_told_before_it_is_tried() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    fs::write(home.path().join("mine.toml"), "name = 'mine'\nstep = -1\n").unwrap();
+    for (flags, code, words) in [
+        ("--machine lathe", 2, ["lathe", "desktop"]),
+        ("--machine vmc", 2, ["--cutter", "ball:0.5"]),
+        ("--machine vmc --cutter drill:3", 2, ["drill:3", "bull:"]),
+        ("--cutter ball:1", 2, ["--machine", "required"]),
+        ("--machine mine.toml --cutter ball:1", 3, ["mine.toml", "missing field"]),
+        ("--machine vmc --cutter ball:1 --stepover 0.6", 4, ["--stepover", "0.5"]),
+        ("--machine vmc --cutter ball:1 --stepover nan", 4, ["--stepover", "0.5"]),
+        ("--machine vmc --cutter ball:90", 4, ["ball:90", "smaller"]),
+        ("--machine vmc --cutter ball:1 --polish 3", 4, ["--polish", "twentieth"]),
+        ("--machine ultraprecision --cutter ball:1 --stepover 0.0005 --memory 200M", 4, ["as made", "--stepover"]),
+    ] {
+        assert_refused(&run_line(home.path(), &format!("verify ring {flags}")), code, &words);
+    }
+}
+
+#[test]
 fn a_plate_that_lies_otherwise_is_told_with_the_flag_that_mends_it() {
     let home = home();
     assert_done(&run_line(home.path(), PLATE));

@@ -8,6 +8,7 @@ mod closed_solids;
 mod conservation;
 mod fence;
 mod field_reports;
+mod gcode_programs;
 mod hostile_pictures;
 mod hostile_rays;
 mod jobs;

@@ -5,6 +5,7 @@
 mod plates;
 
 mod asking;
+mod linuxcnc;
 mod looks;
 mod mesh_checkers;
 mod referee;

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use facetmill::memory::MemoryLimit;
+use facetmill::milling::machine::Machine;
 use facetmill::picture::{self, Picture, Reading};
 use facetmill::recipe::Recipe;
 use facetmill::scene::room::Room;
@@ -69,6 +70,12 @@ pub fn picture_of(recipe: &Recipe, file: &Path) -> Result<PathBuf, Failure> {
 pub fn room(path: &Path) -> Result<Room, Failure> {
     let text = text(path, "scene file", "scene.toml")?;
     Room::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+/// Reads a machine file.
+pub fn machine(path: &Path) -> Result<Machine, Failure> {
+    let text = text(path, "machine file", "machine.toml")?;
+    Machine::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
 }
 
 /// Reads a recipe file; its numbers are not checked yet.

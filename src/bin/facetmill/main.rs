@@ -32,6 +32,10 @@ mod manual;
 
 mod measure;
 
+mod machining;
+
+mod astray;
+
 mod verify;
 
 mod design;

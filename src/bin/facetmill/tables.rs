@@ -88,8 +88,8 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
         percent(scores.multi_bounce),
         percent(scores.outside_image)
     );
-    let scored = report.as_milled.as_ref().map_or(scores, |milled| &milled.scores);
-    let picture = if report.as_milled.is_some() { "comparison_milled.png" } else { "comparison.png" };
+    let milled = report.as_milled.as_ref().map_or((scores, "comparison.png"), |m| (&m.scores, "comparison_milled.png"));
+    let (scored, picture) = report.as_made.as_ref().map_or(milled, |made| (&made.scores, "comparison_made.png"));
     let look = match folder {
         Some(folder) => format!("at {} first; --verbose tells more", shown(&folder.join(picture))),
         None => "with -o DIR there are pictures; --verbose tells more".into(),
@@ -306,6 +306,21 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
     if let Some(milled) = &report.as_milled {
         let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
+    }
+    if let Some(made) = &report.as_made {
+        let likeness = format!("likeness {:.3}", Scores::main(&made.scores.ssim));
+        table.push(row("misplaced as made", percent(Scores::main(&made.scores.tv_incident)), likeness));
+        if let [_, .., last] = made.tv_incident_1deg_by_draw.as_slice() {
+            let draws = &made.tv_incident_1deg_by_draw;
+            let [low, high] = draws.iter().fold([*last; 2], |[low, high], v| [low.min(*v), high.max(*v)]);
+            let from = format!("{} to {}", percent(low), percent(high));
+            table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
+        }
+        let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
+        table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
+        table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
+        let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
+        table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
     }
     if let Some(allowed) = &report.at_most {
         let kept = if allowed.kept { "kept" } else { "not kept" };

@@ -2,8 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use facetmill::export::sheet::sheet_solid;
+use facetmill::export::stl::write_stl;
 use facetmill::highlight::scored_target;
-use facetmill::job::findings::{MilledProof, Proof, RimProof};
+use facetmill::job::design::DesignError;
+use facetmill::job::findings::{MadeProof, MilledProof, Proof, RimProof};
 use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::send_over_milled_mesh;
@@ -13,6 +16,7 @@ use facetmill::picture::Picture;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
+use facetmill::relief::open::OpenRelief;
 use facetmill::report::design::MilledFacts;
 use facetmill::report::verify::{Allowed, VerifyReport};
 use facetmill::report::{PROGRAM, PictureFacts, text};
@@ -24,9 +28,10 @@ use facetmill::verify::measure::Mirrored;
 use facetmill::verify::rim::OverRim;
 use facetmill::verify::score::blurred_scores;
 use facetmill::verify::tally::{self, Measurement};
-use facetmill::verify::verdict::{MAIN_BLUR, Verdict};
+use facetmill::verify::verdict::Verdict;
 
 use crate::args::VerifyArgs;
+use crate::astray::astray;
 use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
@@ -34,13 +39,10 @@ use crate::plates::{Named, Opened};
 use crate::stages::Stages;
 use crate::tables::percent;
 use crate::values::Limit;
-use crate::{inputs, plates, tables};
+use crate::{inputs, machining, plates, tables};
 
 /// So much of the light misplaced that plate, lamp, field or picture do not belong together.
 const ASTRAY: f64 = 0.5;
-
-/// A turned or mirrored drawing explains it if it leaves this share of what is misplaced.
-const EXPLAINED: f64 = 0.3;
 
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
@@ -52,6 +54,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let mut recipe = in_its_scene(args, recipe)?;
     // A pose that cannot be is told before anything is read.
     mounted(recipe.setup(), args.mount)?;
+    let machining = machining::of(&args.machining, &recipe)?;
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -76,30 +79,16 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
         (mount, _) => mounted(recipe.setup(), mount)?,
     };
-    let proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
+    let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
+    if let Some(machining) = machining {
+        let task = machining::Task { machining, draws: args.machining.draws.unwrap_or(1), limit };
+        proof.made = Some(task.done((&recipe, &opened, margin), (&proof.target, &setup), &progress)?);
+    }
     progress.stage(Stage::Files);
-    let report = VerifyReport {
-        program: PROGRAM,
-        plate: opened.facts.clone(),
-        picture: PictureFacts::new(&picture, Some(path.to_string_lossy().into_owned())),
-        highlight: recipe.highlight,
-        light: recipe.light,
-        lobe_deg: recipe.plate.lobe,
-        metal: recipe.metal(),
-        margin_mm: margin,
-        margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
-        on_wall: proof.wall.as_ref().map(|wall| wall.facts(&recipe)),
-        measured: (&proof.verdict).into(),
-        as_milled: proof
-            .milled
-            .as_ref()
-            .map(|milled| MilledFacts { scores: (&milled.verdict).into(), left_by_cutter_um: 1000.0 * milled.left }),
-        at_most: args.at_most.and_then(|limit| allowed(limit, &proof, &setup)),
-        verdict: one_sentence(args, &recipe, &proof),
-        advice: advice(args, &recipe, &opened, &proof, (&picture, &setup)),
-    };
+    let report = report(args, &recipe, &opened, &proof, (&picture, &path, &setup, margin));
     if let Some(staged) = &mut staged {
-        write(staged, &proof, &recipe, &opened, &report, (&setup, &progress))?;
+        let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| args.machining.as_made_stl);
+        write(staged, &proof, &recipe, &opened, (&report, &setup), (surface, &progress))?;
     }
     if let Some(staged) = staged {
         staged.publish()?;
@@ -112,6 +101,37 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         notes: [&report.picture.notes[..], &report.advice[..]].concat(),
     })?;
     within_limit(report.at_most)
+}
+
+/// Everything that is known of the light.
+fn report(
+    args: &VerifyArgs,
+    recipe: &Recipe,
+    opened: &Opened,
+    proof: &Proof,
+    (picture, path, setup, margin): (&Picture, &Path, &Setup, f64),
+) -> VerifyReport {
+    VerifyReport {
+        program: PROGRAM,
+        plate: opened.facts.clone(),
+        picture: PictureFacts::new(picture, Some(path.to_string_lossy().into_owned())),
+        highlight: recipe.highlight,
+        light: recipe.light,
+        lobe_deg: recipe.plate.lobe,
+        metal: recipe.metal(),
+        margin_mm: margin,
+        margin_into_picture_if_polished: proof.rim.as_ref().map(|rim| rim.into_picture.value),
+        on_wall: proof.wall.as_ref().map(|wall| wall.facts(recipe)),
+        measured: (&proof.verdict).into(),
+        as_milled: proof
+            .milled
+            .as_ref()
+            .map(|milled| MilledFacts { scores: (&milled.verdict).into(), left_by_cutter_um: 1000.0 * milled.left }),
+        as_made: proof.made.as_ref().map(MadeProof::facts),
+        at_most: args.at_most.and_then(|limit| allowed(limit, proof, setup)),
+        verdict: one_sentence(args, recipe, proof),
+        advice: advice(args, recipe, opened, proof, (picture, setup)),
+    }
 }
 
 /// The recipe in the scene that the flags say, if lamp and plate can stand so.
@@ -139,7 +159,11 @@ fn within_limit(allowed: Option<Allowed>) -> Result<(), Failure> {
             "{} of the light is misplaced or lost at a blur of {}°{}, more than the {} of --at-most",
             percent(allowed.tv_incident),
             allowed.blur_deg,
-            if allowed.as_milled { " as milled" } else { "" },
+            match (allowed.as_made, allowed.as_milled) {
+                (true, _) => " as made",
+                (false, true) => " as milled",
+                _ => "",
+            },
             percent(allowed.share)
         ))),
         _ => Ok(()),
@@ -193,7 +217,7 @@ fn in_room(
     };
     let (measurement, verdict, designed) = room.judged(thrown, None)?;
     let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
-    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, rim, wall })
+    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, made: None, rim, wall })
 }
 
 /// The setup with the plate mounted at the angles that were given, degrees.
@@ -261,12 +285,19 @@ fn proof(
             Some(MilledProof { left, measurement, verdict })
         }
     };
-    Ok(Proof { target, measurement, verdict, sheet: None, milled, rim, wall: None })
+    Ok(Proof { target, measurement, verdict, sheet: None, milled, made: None, rim, wall: None })
 }
 
 /// How the light came out: of the plate as it is cut, if that is known.
 fn one_sentence(args: &VerifyArgs, recipe: &Recipe, proof: &Proof) -> String {
     let name = plates::name(&args.plate);
+    if let Some(MadeProof { machining, verdict, .. }) = &proof.made {
+        let polish = machining.polish.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+        return in_a_sentence(
+            verdict,
+            &format!("On {name} made by {} with {}, {polish}", machining.machine.name, machining.cutter),
+        );
+    }
     match (&proof.milled, recipe.design.sheet.cutter) {
         (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("On {name} cut by {cutter}")),
         (Some(milled), None) => in_a_sentence(&milled.verdict, &format!("On {name}, polished")),
@@ -276,7 +307,8 @@ fn one_sentence(args: &VerifyArgs, recipe: &Recipe, proof: &Proof) -> String {
 
 /// What is allowed, beside what came of it.
 fn allowed(limit: Limit, proof: &Proof, setup: &Setup) -> Option<Allowed> {
-    let measurement = proof.milled.as_ref().map_or(&proof.measurement, |milled| &milled.measurement);
+    let milled = proof.milled.as_ref().map_or(&proof.measurement, |milled| &milled.measurement);
+    let measurement = proof.made.as_ref().map_or(milled, |made| &made.measurement);
     let whole = &measurement.whole;
     let blur = limit.blur.to_radians();
     let scores = blurred_scores(&whole.share_image(), whole.up(), &proof.target, setup.view(), blur)?;
@@ -284,7 +316,8 @@ fn allowed(limit: Limit, proof: &Proof, setup: &Setup) -> Option<Allowed> {
         share: limit.share,
         blur_deg: limit.blur,
         tv_incident: scores.tv_incident,
-        as_milled: proof.milled.is_some(),
+        as_milled: proof.milled.is_some() && proof.made.is_none(),
+        as_made: proof.made.is_some(),
         kept: scores.tv_incident <= limit.share,
     })
 }
@@ -294,8 +327,8 @@ fn write(
     proof: &Proof,
     recipe: &Recipe,
     opened: &Opened,
-    report: &VerifyReport,
-    (setup, progress): (&Setup, &Progress),
+    (report, setup): (&VerifyReport, &Setup),
+    (surface, progress): (Option<&OpenRelief>, &Progress),
 ) -> Result<(), Failure> {
     let size = opened.size;
     staged.write_png("target.png", &target_picture(&proof.target, recipe))?;
@@ -308,6 +341,13 @@ fn write(
     staged.write_png("comparison.png", &pictures.comparison)?;
     if let Some(milled) = &pictures.milled {
         staged.write_png("comparison_milled.png", milled)?;
+    }
+    if let Some(made) = &pictures.made {
+        staged.write_png("comparison_made.png", made)?;
+    }
+    if let Some(surface) = surface {
+        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0, progress).map_err(DesignError::from)?;
+        staged.write("as-made.stl", |out| write_stl(&solid, out))?;
     }
     staged.write_bytes("report.json", text(report).as_bytes())?;
     Ok(())
@@ -345,46 +385,4 @@ fn advice(
         advice.push(astray(misplaced, proof, recipe, (picture, setup)));
     }
     advice
-}
-
-/// What may be wrong where hardly any light is where it is wanted: a drawing that is turned or mirrored, or anything.
-fn astray(misplaced: f64, proof: &Proof, recipe: &Recipe, (picture, setup): (&Picture, &Setup)) -> String {
-    let whole = &proof.measurement.whole;
-    let turned = |quarters: usize, mirrored: bool| {
-        let mut light = picture.light.clone();
-        let n = light.width;
-        if mirrored {
-            light.values.chunks_exact_mut(n).for_each(<[f64]>::reverse);
-        }
-        for _ in 0..quarters {
-            let before = light.clone();
-            for (k, value) in light.values.iter_mut().enumerate() {
-                *value = before.at(n - 1 - k / n, k % n);
-            }
-        }
-        let target = scored_target(&light, recipe.highlight.quantity, setup, whole.image.width);
-        let scores = blurred_scores(&whole.share_image(), whole.up(), &target, setup.view(), MAIN_BLUR.to_radians());
-        scores.map_or(1.0, |scores| scores.tv_incident)
-    };
-    let ways = (0..8).map(|k| (k % 4, k > 3)).skip(1);
-    let best = ways.map(|way| (turned(way.0, way.1), way)).min_by(|a, b| a.0.total_cmp(&b.0));
-    match best {
-        Some((left, (quarters, mirrored))) if left < EXPLAINED * misplaced => {
-            let how = match (quarters, mirrored) {
-                (0, true) => "mirrored (--seen says from which side)".to_owned(),
-                (quarters, true) => format!("mirrored and turned by {}° (--seen, --rotate)", 90 * quarters),
-                (quarters, false) => format!("turned by {}° (--rotate)", 90 * quarters),
-            };
-            format!(
-                "{} of the light is misplaced, but only {} if the drawing is {how}.",
-                percent(misplaced),
-                percent(left)
-            )
-        }
-        _ => format!(
-            "{} of the light is misplaced: plate, picture, light and field may not belong together; look at --light, \
-             --half-field, --projection, --unit, and which side is up.",
-            percent(misplaced)
-        ),
-    }
 }

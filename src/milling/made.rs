@@ -1,0 +1,301 @@
+//! The surface as a machine makes it: the cutter led over the written triangles pass by pass, with the machine's errors,
+//! and polished.
+//!
+//! A polished surface is a sheet of triangles again, fine enough for its polish, and is proved as any other plate is. One
+//! that is not polished has cusps and tooth marks of micrometres: of it the slopes are told, row by row, each as the
+//! cutter that passed lowest leaves it.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::machine::Machine;
+use super::passes::{Frame, Passes, Ways};
+use super::polish::{taps, thinned};
+use super::sweep::{Sweep, even};
+use super::tip::TipHeights;
+use crate::cutter::Cutter;
+use crate::progress::Progress;
+use crate::relief::mesh::Mesh;
+use crate::relief::open::OpenRelief;
+
+/// Nodes of a polished surface are so many standard deviations of the polish apart: of waves of two nodes, the shortest
+/// that they hold, e^-20 is left.
+const NODES: f64 = 0.5;
+
+/// Samples before polish, a standard deviation of it: what is finer than those is averaged away by a thousand of them.
+const SAMPLES: f64 = 12.0;
+
+/// Rows before polish from one pass to the next: the cusps between passes, sampled four times, keep their mean.
+const ROWS_A_PASS: f64 = 4.0;
+
+/// Samples from one cut of a tooth to the next, before polish and where there is none.
+const POLISHED_TOOTH: f64 = 2.0;
+const BARE_TOOTH: f64 = 8.0;
+
+/// Places of the tip along a pass leave this much between chord and way, mm.
+const CHORD: f64 = 2.5e-5;
+
+/// Passes no closer than this are told apart, mm.
+const LEAST_STEPOVER: f64 = 0.0005;
+
+/// Bytes of a node as its surface is closed and traced.
+const NODE: f64 = 120.0;
+
+/// Places of the tip a cutter's radius at the least: pointed cutters have no roundness that would say.
+const PLACES_A_RADIUS: f64 = 25.0;
+
+/// How a plate is machined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machining {
+    /// By what.
+    pub machine: Machine,
+    /// With what.
+    pub cutter: Cutter,
+    /// How it goes over the plate.
+    pub passes: Passes,
+    /// Standard deviation of the Gaussian by which it is polished afterwards, mm.
+    pub polish: Option<f64>,
+    /// Seed of the machine's random errors.
+    pub seed: u64,
+}
+
+impl Machining {
+    /// Where the tip should be, over the triangles of `mesh` that face up, for a plate of `plate` mm whose lower left corner
+    /// is x = y = 0; of no use if the work is abandoned meanwhile.
+    pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Ways {
+        let profile = self.cutter.profile();
+        let round = (8.0 * profile.arc * CHORD).sqrt();
+        let step = if profile.arc > 0.0 { round } else { profile.reach / PLACES_A_RADIUS };
+        Ways::new(&TipHeights::new(mesh, profile), plate, &self.passes, step, progress)
+    }
+
+    /// The plate as draw number `draw` of the machine's errors leaves it and as it is polished.
+    ///
+    /// `None` without polish, or if the work is abandoned.
+    pub fn polished(&self, ways: &Ways, draw: u64, progress: &Progress) -> Option<OpenRelief> {
+        let sigma = self.polish?;
+        let plate = ways.plate();
+        let frame = ways.frame;
+        let nodes = |length: f64| (length / (NODES * sigma)).ceil().max(1.0);
+        let apart = [frame.size.x, frame.size.y].map(|length| length / nodes(length));
+        let finer = |apart: f64, wanted: f64| (apart / wanted).ceil().max(1.0);
+        let tooth = self.machine.feed_per_tooth / POLISHED_TOOTH;
+        let every = [
+            finer(apart[0], tooth.max(sigma / SAMPLES)) as usize,
+            finer(apart[1], self.passes.stepover / ROWS_A_PASS) as usize,
+        ];
+        let sweep = self.sweep(ways, apart[0] / every[0] as f64, draw);
+        let columns = nodes(frame.size.x) as usize + 1;
+        let rows = nodes(frame.size.y) as usize + 1;
+        let across = apart[1] / every[1] as f64;
+        let along = taps(sigma / sweep.step());
+        let count = (rows - 1) * every[1] + 1;
+        let mut fine = vec![0.0f32; columns * count];
+        fine.par_chunks_mut(columns).enumerate().for_each_init(
+            || vec![0.0; sweep.columns()],
+            |row, (k, out)| {
+                if progress.is_abandoned() {
+                    return;
+                }
+                if k % 256 == 0 {
+                    progress.fraction(k as f64 / count as f64);
+                }
+                sweep.row(across * k as f64, row);
+                thinned(row, &along, every[0], out);
+            },
+        );
+        progress.check().ok()?;
+        let smooth = down(&fine, columns, &taps(sigma / across), every[1]);
+        drop(fine);
+        Some(on_plate(ways, plate, smooth, [columns, rows]))
+    }
+
+    /// The plate as draw number `draw` of the machine's errors leaves it, without polish.
+    pub fn bare(&self, ways: &Ways, draw: u64) -> BareSurface {
+        let tooth = Some(self.machine.feed_per_tooth).filter(|feed| *feed > 0.0).unwrap_or(self.passes.stepover);
+        let length = ways.frame.size.x;
+        let step = length / (length * BARE_TOOTH / tooth).ceil();
+        BareSurface { sweep: self.sweep(ways, step, draw), plate: ways.plate() }
+    }
+
+    /// Height of the cusps between two passes over a level plate, mm.
+    pub fn cusp_height(&self) -> f64 {
+        self.cutter.underside((0.5 * self.passes.stepover).min(self.cutter.reach()))
+    }
+
+    /// Refuses what cannot be machined so.
+    pub fn check(&self, plate: DVec2) -> Result<(), MachiningError> {
+        let Self { cutter, passes, polish, .. } = self;
+        let (widest, size) = (cutter.reach(), plate.min_element());
+        if !(passes.stepover >= LEAST_STEPOVER && passes.stepover <= widest) {
+            return Err(MachiningError::Stepover { stepover: passes.stepover, widest });
+        }
+        if !(cutter.diameter() > 0.0 && cutter.diameter() <= size) {
+            return Err(MachiningError::Cutter { cutter: *cutter, size });
+        }
+        match polish.filter(|polish| !(*polish > 0.0 && *polish <= 0.05 * size)) {
+            Some(polish) => Err(MachiningError::Polish { polish, most: 0.05 * size }),
+            None => Ok(()),
+        }
+    }
+
+    /// Memory that the surface of a plate of `plate` mm takes, bytes, about.
+    pub fn bytes(&self, plate: DVec2) -> f64 {
+        let frame = Frame::new(plate, self.passes.angle).size;
+        let radius = self.cutter.profile().arc;
+        let place = if radius > 0.0 { (8.0 * radius * CHORD).sqrt() } else { self.cutter.reach() / PLACES_A_RADIUS };
+        let passes = frame.y / self.passes.stepover;
+        let sample = |sigma: f64| (self.machine.feed_per_tooth / POLISHED_TOOTH).max(sigma / SAMPLES);
+        let tooth = Some(self.machine.feed_per_tooth).filter(|feed| *feed > 0.0).unwrap_or(self.passes.stepover);
+        let along = frame.x / self.polish.map_or(tooth / BARE_TOOTH, sample);
+        let nodes = self.polish.map_or(0.0, |sigma| frame.x / (NODES * sigma));
+        let rows = ROWS_A_PASS * passes;
+        // Heights as they should be and as they are, thinned rows, and a node of the surface as it is closed and traced.
+        8.0 * passes * frame.x / place
+            + 4.0 * passes * along
+            + 4.0 * rows * nodes
+            + NODE * nodes * nodes * frame.y / frame.x
+    }
+
+    fn sweep(&self, ways: &Ways, step: f64, draw: u64) -> Sweep {
+        let profile = self.cutter.grown(self.machine.radius_error).profile();
+        // Seeds of draws are far apart, so that those of a recipe with the next seed are others.
+        let seed = self.seed.wrapping_add(draw << 32);
+        Sweep::new(ways, (profile, &self.machine), self.passes.zigzag, step, seed)
+    }
+}
+
+/// A surface that was not polished, known row by row.
+pub struct BareSurface {
+    sweep: Sweep,
+    plate: DVec2,
+}
+
+impl BareSurface {
+    /// Slopes along row `k` of `rows` spread evenly over the plate, each as the cutter leaves it that passed lowest; not a
+    /// number beside the plate.
+    pub fn slopes(&self, k: usize, rows: usize) -> Vec<DVec2> {
+        let frame = self.sweep.frame();
+        // Rows and their shifts keep no step with passes and teeth.
+        let y = frame.size.y * (k as f64 + even(7 * k + 3)) / rows as f64;
+        let shift = self.sweep.step() * even(k);
+        let mut slopes = vec![DVec2::NAN; self.sweep.columns() - 1];
+        self.sweep.slopes(y, shift, &mut slopes);
+        for (i, slope) in slopes.iter_mut().enumerate() {
+            let place = frame.on_plate(DVec2::new(self.sweep.step() * i as f64 + shift, y));
+            let inside = place.cmpge(DVec2::ZERO).all() && place.cmple(self.plate).all();
+            *slope = if inside { frame.turned(*slope) } else { DVec2::NAN };
+        }
+        slopes
+    }
+}
+
+/// What cannot be machined.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MachiningError {
+    /// Passes too wide or too close.
+    #[error(
+        "passes {stepover} mm apart: with this cutter --stepover may be from {LEAST_STEPOVER} to its radius, {widest} mm"
+    )]
+    Stepover {
+        /// What was asked, mm.
+        stepover: f64,
+        /// The most, mm.
+        widest: f64,
+    },
+    /// A cutter wider than the plate.
+    #[error("the cutter {cutter} is wider than the plate's {size:.3} mm: name a smaller one")]
+    Cutter {
+        /// The cutter.
+        cutter: Cutter,
+        /// The plate's shorter side, mm.
+        size: f64,
+    },
+    /// A polish that leaves nothing of a relief.
+    #[error("a polish of {polish} mm: --polish may be up to {most:.3} mm here, a twentieth of the plate")]
+    Polish {
+        /// What was asked, mm.
+        polish: f64,
+        /// The most, mm.
+        most: f64,
+    },
+}
+
+/// Columns smoothed, of whose rows every `every`-th is kept.
+fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
+    let count = rows.len() / columns;
+    let kept = (count - 1) / every + 1;
+    let mut out = vec![0.0f32; columns * kept];
+    out.par_chunks_mut(columns).enumerate().for_each_init(
+        || vec![0.0f64; columns],
+        |sum, (n, out)| {
+            let at = (n * every) as isize;
+            sum.fill(0.0);
+            for (j, tap) in taps.iter().enumerate() {
+                let sides: &[isize] = if j == 0 { &[0] } else { &[-1, 1] };
+                for side in sides {
+                    add(sum, rows, columns, (at + side * j as isize, count as isize - 1), *tap);
+                }
+            }
+            out.iter_mut().zip(sum.iter()).for_each(|(out, sum)| *out = *sum as f32);
+        },
+    );
+    out
+}
+
+/// Adds `weight` times row `k` of rows up to `last`; beyond the first and the last they go on turned about these.
+fn add(sum: &mut [f64], rows: &[f32], columns: usize, (k, last): (isize, isize), weight: f64) {
+    let row = |k: isize| {
+        let begin = k.clamp(0, last) as usize * columns;
+        &rows[begin..begin + columns]
+    };
+    let mut one =
+        |k: isize, weight: f64| sum.iter_mut().zip(row(k)).for_each(|(sum, z)| *sum += weight * f64::from(*z));
+    if (0..=last).contains(&k) {
+        one(k, weight);
+    } else {
+        let rim = if k < 0 { 0 } else { last };
+        one(rim, 2.0 * weight);
+        one(2 * rim - k, -weight);
+    }
+}
+
+/// A grid of the frame at the nodes of the plate, as far apart.
+fn on_plate(ways: &Ways, plate: DVec2, heights: Vec<f32>, [columns, rows]: [usize; 2]) -> OpenRelief {
+    let frame = ways.frame;
+    let apart = frame.size / DVec2::new((columns - 1) as f64, (rows - 1) as f64);
+    if frame.turned(DVec2::X) == DVec2::X {
+        return OpenRelief { nodes: [columns, rows], step: apart, heights };
+    }
+    let squares = [plate.x / apart.min_element(), plate.y / apart.min_element()].map(|n| n.ceil().max(1.0));
+    let step = plate / DVec2::from_array(squares);
+    let nodes = squares.map(|n| n as usize + 1);
+    let at = |place: DVec2| {
+        let there =
+            (frame.of_plate(place) / apart).clamp(DVec2::ZERO, DVec2::new((columns - 1) as f64, (rows - 1) as f64));
+        let [i, j] = [there.x.floor(), there.y.floor()];
+        let weights = [cubic(there.x - i), cubic(there.y - j)];
+        let node = |a: usize, b: usize| {
+            let place =
+                |k: f64, a: usize, count: usize| (k as isize + a as isize - 1).clamp(0, count as isize - 1) as usize;
+            f64::from(heights[place(j, b, rows) * columns + place(i, a, columns)])
+        };
+        let sum = (0..16).map(|k| weights[0][k % 4] * weights[1][k / 4] * node(k % 4, k / 4)).sum::<f64>();
+        sum as f32
+    };
+    let mut turned = vec![0.0; nodes[0] * nodes[1]];
+    turned.par_chunks_mut(nodes[0]).enumerate().for_each(|(j, row)| {
+        row.iter_mut().enumerate().for_each(|(i, z)| *z = at(step * DVec2::new(i as f64, j as f64)));
+    });
+    OpenRelief { nodes, step, heights: turned }
+}
+
+/// Weights of four neighbours at `t` between the second and the third (Catmull and Rom 1974).
+fn cubic(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [0.5 * (2.0 * t2 - t - t3), 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3), 0.5 * (t + 4.0 * t2 - 3.0 * t3), 0.5 * (t3 - t2)]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+//! Parallel passes over a plate: where they lie, and where the cutter's tip should be along each.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use super::machine::Machine;
+use super::tip::TipHeights;
+use super::track::Way;
+use crate::progress::Progress;
+
+/// Slope up to which contacts beyond the plate's rim are wanted: steeper than any relief that throws a highlight.
+const STEEPEST: f64 = 0.6;
+
+/// How a plate is gone over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passes {
+    /// Direction of the passes, radians from +x toward +y.
+    pub angle: f64,
+    /// From one pass to the next, mm.
+    pub stepover: f64,
+    /// Whether every other pass is cut on the way back.
+    pub zigzag: bool,
+}
+
+/// The rectangle of passes around a plate, in its own axes: along the passes and across them, from its lower left corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub(super) middle: DVec2,
+    along: DVec2,
+    /// Size along and across, mm.
+    pub size: DVec2,
+}
+
+impl Frame {
+    /// Around a plate of `plate` mm whose lower left corner is x = y = 0, turned by `angle` radians.
+    pub fn new(plate: DVec2, angle: f64) -> Self {
+        // Of right angles the cosine is not quite zero.
+        let tidy = |v: f64| if v.abs() < 1e-12 { 0.0 } else { v };
+        let along = DVec2::new(tidy(angle.cos()), tidy(angle.sin()));
+        let across = along.perp();
+        let size = DVec2::new(plate.dot(along.abs()), plate.dot(across.abs()));
+        Self { middle: 0.5 * plate, along, size }
+    }
+
+    /// A place of the frame on the plate, mm.
+    pub fn on_plate(&self, place: DVec2) -> DVec2 {
+        self.middle + self.turned(place - 0.5 * self.size)
+    }
+
+    /// A place of the plate in the frame, mm.
+    pub fn of_plate(&self, place: DVec2) -> DVec2 {
+        let from = place - self.middle;
+        DVec2::new(from.dot(self.along), from.dot(self.along.perp())) + 0.5 * self.size
+    }
+
+    /// A vector of the frame, such as a slope, on the plate.
+    pub fn turned(&self, vector: DVec2) -> DVec2 {
+        vector.x * self.along + vector.y * self.along.perp()
+    }
+}
+
+/// Where the tip of a cutter should be along every pass.
+pub struct Ways {
+    /// The rectangle of passes.
+    pub(super) frame: Frame,
+    /// How far passes and their ends lie beyond it, mm.
+    pub(super) overrun: f64,
+    /// From one pass to the next, mm.
+    pub(super) stepover: f64,
+    /// Place of each pass across the frame, mm, and its heights.
+    pub(super) ways: Vec<(f64, Way)>,
+    /// The steepest that tips rise from place to place.
+    pub(super) steepest: f64,
+}
+
+impl Ways {
+    /// Leads the cutter over a plate of `plate` mm whose lower left corner is x = y = 0, at places `step` mm apart along
+    /// each pass; of no use if the work is abandoned meanwhile.
+    pub fn new(tips: &TipHeights, plate: DVec2, passes: &Passes, step: f64, progress: &Progress) -> Self {
+        let profile = tips.profile();
+        let frame = Frame::new(plate, passes.angle);
+        // At a corner of the plate the tip still stands over it.
+        let overrun = profile.contact(STEEPEST).min(0.7 * profile.reach);
+        let beyond = (overrun / passes.stepover).ceil();
+        let count = (frame.size.y / passes.stepover).ceil() as usize + 2 * beyond as usize;
+        let along = ((frame.size.x + 2.0 * overrun) / step).ceil() as usize + 1;
+        let ways: Vec<(f64, Way)> = (0..count)
+            .into_par_iter()
+            .map(|k| {
+                let y = (k as f64 + 0.5 - beyond) * passes.stepover;
+                let at = |i: usize| DVec2::new(step * i as f64 - overrun, y);
+                let tip = |i: usize| if progress.is_abandoned() { 0.0 } else { tips.at(frame.on_plate(at(i))) };
+                if k % 64 == 0 {
+                    progress.fraction(k as f64 / count as f64);
+                }
+                (y, Way { from: -overrun, step, heights: (0..along).map(tip).collect() })
+            })
+            .collect();
+        Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
+    }
+
+    /// Size of the plate, mm.
+    pub fn plate(&self) -> DVec2 {
+        2.0 * self.frame.middle
+    }
+
+    /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.
+    pub fn hours(&self, machine: &Machine, zigzag: bool) -> f64 {
+        let length = self.frame.size.x + 2.0 * self.overrun;
+        let move_at = |mm_per_min: f64| {
+            let speed = mm_per_min / 60.0;
+            length / speed + speed / machine.acceleration
+        };
+        let pass = move_at(machine.feed) + if zigzag { 0.0 } else { move_at(machine.rapid) };
+        self.ways.len() as f64 * pass / 3600.0
+    }
+
+    /// Beside a turned plate nothing carries the cutter: it stays at its lowest there.
+    fn grounded(mut self) -> Self {
+        let heights = || self.ways.iter().flat_map(|(_, way)| &way.heights).copied().filter(|z| z.is_finite());
+        let lowest = heights().fold(f64::INFINITY, f64::min);
+        let lowest = if lowest.is_finite() { lowest } else { 0.0 };
+        let all = self.ways.iter_mut().flat_map(|(_, way)| &mut way.heights);
+        all.filter(|z| !z.is_finite()).for_each(|z| *z = lowest);
+        self
+    }
+}
+
+/// Over the plate; beyond its rim the cutter rolls down, and leaves nothing there.
+fn steepest(ways: &[(f64, Way)], frame: &Frame) -> f64 {
+    let plate = 2.0 * frame.middle;
+    let over = |a: DVec2, b: DVec2| {
+        let inside = |at: DVec2| at.cmpge(DVec2::ZERO).all() && at.cmple(plate).all();
+        inside(frame.on_plate(a)) && inside(frame.on_plate(b))
+    };
+    let rises = |[(y, way), (next_y, next)]: [&(f64, Way); 2]| {
+        let rise = |a: DVec2, b: DVec2, rise: f64| if over(a, b) { (rise / (b - a).length()).abs() } else { 0.0 };
+        let at = |i: usize| DVec2::new(way.from + way.step * i as f64, *y);
+        (1..way.heights.len()).fold(DVec2::ZERO, |most: DVec2, i| {
+            let along = rise(at(i - 1), at(i), way.heights[i] - way.heights[i - 1]);
+            let across = rise(at(i), DVec2::new(at(i).x, *next_y), next.heights[i] - way.heights[i]);
+            most.max(DVec2::new(along, across))
+        })
+    };
+    let most = ways.par_windows(2).map(|pair| rises([&pair[0], &pair[1]])).reduce(|| DVec2::ZERO, DVec2::max);
+    most.length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_hold_the_plate_and_turn_back() {
+        let plate = DVec2::new(3.0, 2.0);
+        for degrees in [0.0f64, 90.0, 180.0, 37.0, -110.0] {
+            let frame = Frame::new(plate, degrees.to_radians());
+            for corner in [DVec2::ZERO, plate, DVec2::new(3.0, 0.0), DVec2::new(0.0, 2.0)] {
+                let there = frame.of_plate(corner);
+                assert!((frame.on_plate(there) - corner).length() < 1e-12);
+                assert!(there.cmpge(DVec2::splat(-1e-12)).all() && there.cmple(frame.size + 1e-12).all(), "{degrees}");
+            }
+        }
+        assert_eq!(Frame::new(plate, f64::to_radians(90.0)).size, DVec2::new(2.0, 3.0));
+        assert_eq!(Frame::new(plate, f64::to_radians(90.0)).turned(DVec2::X), DVec2::Y);
+    }
+}

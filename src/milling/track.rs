@@ -1,0 +1,230 @@
+//! One track of the cutter: from where its tip should be to where a machine puts it.
+//!
+//! A program has straight segments with rounded ends; a drive follows them in whole steps and rounds corners; a slide with
+//! play lags where it turns; each track is a little too high or too low; and a cutter whose teeth cut one after another
+//! leaves the shape of its tip only where each of them passes.
+
+use super::machine::Machine;
+use super::random::{normal, stream};
+
+/// How far a segment of a program may lie from the cutter's way, mm: a fiftieth of what a good machine's tracks differ by.
+const CHORD: f64 = 5e-5;
+
+/// Shortest segment of a program, mm: at 10 mm/s the 400 lines a second that small controls take.
+const SHORTEST: f64 = 0.025;
+
+/// Heights of the tip along a straight track, evenly spaced.
+pub(super) struct Way {
+    /// Place of the first along the track, mm.
+    pub(super) from: f64,
+    /// From one to the next, mm.
+    pub(super) step: f64,
+    /// Heights, mm.
+    pub(super) heights: Vec<f64>,
+}
+
+/// Which track it is.
+#[derive(Clone, Copy)]
+pub(super) struct Which {
+    /// Its number.
+    pub(super) index: u64,
+    /// Whether it is cut against the direction in which places count.
+    pub(super) backward: bool,
+}
+
+/// Where the samples of a cut track lie: `count` of them from `from` mm, `step` mm apart, every `tooth`-th of them a cut.
+#[derive(Clone, Copy)]
+pub(super) struct Samples {
+    pub(super) from: f64,
+    pub(super) step: f64,
+    pub(super) count: usize,
+    pub(super) tooth: usize,
+}
+
+impl Way {
+    /// The ends of a program's segments, (place, height) in mm, as it is written: on a chord as long as allowed.
+    fn programmed(&self, machine: &Machine) -> Vec<[f64; 2]> {
+        let point = |k: usize| [self.from + self.step * k as f64, self.heights[k]];
+        let last = self.heights.len() - 1;
+        let (shortest, longest) = [SHORTEST, machine.segment].map(|l| ((l / self.step).round() as usize).max(1)).into();
+        let mut ends = vec![point(0)];
+        let mut at = 0;
+        while at < last {
+            at = self.chord_end(at, shortest, longest.max(shortest)).min(last);
+            ends.push(point(at));
+        }
+        let quantum = 10f64.powi(-(machine.decimals as i32));
+        let whole = |z: f64, step: f64| if step > 0.0 { (z / step).round() * step } else { z };
+        ends.iter_mut().for_each(|[_, z]| *z = whole(whole(*z, quantum), machine.step));
+        ends
+    }
+
+    /// The farthest sample to which a chord from sample `at` keeps within [`CHORD`] of those between.
+    fn chord_end(&self, at: usize, shortest: usize, longest: usize) -> usize {
+        let rise = |k: usize, aside: f64| (self.heights[k] + aside - self.heights[at]) / (k - at) as f64;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut end = at + shortest;
+        for k in at + 1..self.heights.len().min(at + longest + 1) {
+            if (low..=high).contains(&rise(k, 0.0)) {
+                end = end.max(k);
+            }
+            (low, high) = (low.max(rise(k, -CHORD)), high.min(rise(k, CHORD)));
+            if low > high {
+                break;
+            }
+        }
+        end
+    }
+
+    /// Heights of the tip where it truly passes, mm; infinite where no tooth cuts.
+    pub(super) fn cut(&self, machine: &Machine, seed: u64, which: Which, samples: Samples) -> Vec<f32> {
+        let mut heights = followed(&self.programmed(machine), machine, which, samples);
+        if which.backward {
+            heights.reverse();
+        }
+        lag(&mut heights, machine.backlash_z);
+        if which.backward {
+            heights.reverse();
+        }
+        let mut random = stream(seed, which.index);
+        let offset = machine.track_scatter * normal(&mut random);
+        // Teeth keep no step with the tracks.
+        let first = (rand::RngExt::random::<f64>(&mut random) * samples.tooth as f64) as usize % samples.tooth;
+        let mut cuts = vec![f32::INFINITY; samples.count];
+        for k in (first..samples.count).step_by(samples.tooth) {
+            cuts[k] = (heights[k] + offset + machine.tooth_scatter * normal(&mut random)) as f32;
+        }
+        cuts
+    }
+}
+
+/// The segments of a program as drives follow them.
+fn followed(ends: &[[f64; 2]], machine: &Machine, which: Which, samples: Samples) -> Vec<f64> {
+    // On the way back the slide is behind by its play.
+    let behind = if which.backward { machine.backlash_xy } else { 0.0 };
+    let mut segment = 1;
+    let heights = (0..samples.count).map(|k| {
+        let x = samples.from + samples.step * k as f64 + behind;
+        while segment + 1 < ends.len() && ends[segment][0] < x {
+            segment += 1;
+        }
+        let ([x0, z0], [x1, z1]) = (ends[segment - 1], ends[segment.min(ends.len() - 1)]);
+        let share = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
+        let z = z0 + share * (z1 - z0);
+        if machine.step > 0.0 { (z / machine.step).round() * machine.step } else { z }
+    });
+    let heights: Vec<f64> = heights.collect();
+    smoothed(&heights, machine.smoothing / samples.step)
+}
+
+/// Smoothed by a Gaussian whose standard deviation is `sigma` samples; the ends stay where they are.
+fn smoothed(heights: &[f64], sigma: f64) -> Vec<f64> {
+    // Narrower than half a sample it changes nothing.
+    if sigma < 0.5 {
+        return heights.to_vec();
+    }
+    let taps = super::polish::taps(sigma);
+    let last = heights.len() as isize - 1;
+    let at = |k: isize| heights[k.clamp(0, last) as usize];
+    (0..=last)
+        .map(|k| {
+            let beside = |(j, tap): (usize, &f64)| tap * (at(k - j as isize) + at(k + j as isize));
+            taps[0] * at(k) + taps.iter().enumerate().skip(1).map(beside).sum::<f64>()
+        })
+        .collect()
+}
+
+/// A slide with `play` mm between its flanks, pushed along `heights`: it stays where it is until a flank takes it along.
+fn lag(heights: &mut [f64], play: f64) {
+    let Some(mut at) = heights.first().copied() else { return };
+    for z in heights {
+        at = at.clamp(*z - 0.5 * play, *z + 0.5 * play);
+        *z = at;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORWARD: Which = Which { index: 0, backward: false };
+
+    fn way(height: impl Fn(f64) -> f64) -> Way {
+        Way { from: -0.2, step: 0.01, heights: (0..240).map(|k| height(-0.2 + 0.01 * f64::from(k))).collect() }
+    }
+
+    fn samples(tooth: usize) -> Samples {
+        Samples { from: 0.0, step: 0.005, count: 400, tooth }
+    }
+
+    #[test]
+    fn segments_are_as_long_as_the_chord_allows_and_no_shorter_than_a_control_takes() {
+        // A parabola of radius 1 mm: chords of 40 µm lie 0.2 µm off, of 20 µm 0.05 µm off, too short for a control.
+        let round = way(|x| 0.5 * x * x);
+        let ends = round.programmed(&Machine { decimals: 9, ..Machine::ideal() });
+        assert!(ends.windows(2).rev().skip(1).all(|pair| pair[1][0] - pair[0][0] > 0.0249), "{ends:?}");
+        // Radius 100 mm: the chord allows 0.2 mm, a segment may have 0.1.
+        let flat = way(|x| 0.005 * x * x).programmed(&Machine { decimals: 9, ..Machine::ideal() });
+        assert!(flat.windows(2).take(20).all(|pair| (pair[1][0] - pair[0][0] - 0.1).abs() < 1e-9), "{flat:?}");
+        for pair in flat.windows(2) {
+            let middle = 0.5 * (pair[0][0] + pair[1][0]);
+            let off = 0.5 * (pair[0][1] + pair[1][1]) - 0.005 * middle * middle;
+            assert!(off.abs() <= CHORD, "{off}");
+        }
+    }
+
+    #[test]
+    fn a_machine_without_faults_is_where_it_should_be() {
+        let slanted = way(|x| 0.1 + 0.2 * x);
+        let cut = slanted.cut(&Machine { decimals: 9, ..Machine::ideal() }, 1, FORWARD, samples(1));
+        for (k, z) in cut.iter().enumerate() {
+            assert!((f64::from(*z) - 0.1 - 0.2 * 0.005 * k as f64).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn heights_come_in_whole_steps_and_slides_lag_where_they_turn() {
+        let slanted = way(|x| 0.1 + 0.2 * x);
+        let stepping = Machine { step: 0.00125, ..Machine::ideal() };
+        let cut = slanted.cut(&stepping, 1, FORWARD, samples(1));
+        assert!(cut.iter().all(|z| (z / 0.00125 - (z / 0.00125).round()).abs() < 1e-3));
+        // Up and down again: below while it rises, above while it falls.
+        let hill = way(|x| 0.1 * (1.0 - (x - 1.0).abs()));
+        let loose = Machine { backlash_z: 0.01, decimals: 9, ..Machine::ideal() };
+        let cut = hill.cut(&loose, 1, FORWARD, samples(1));
+        let off = |k: usize, x: f64| f64::from(cut[k]) - 0.1 * (1.0 - (x - 1.0).abs());
+        assert!((off(100, 0.5) + 0.005).abs() < 1e-6 && (off(300, 1.5) - 0.005).abs() < 1e-6);
+        let back = hill.cut(&loose, 1, Which { index: 0, backward: true }, samples(1));
+        assert!((f64::from(back[100]) - 0.1 * 0.5 - 0.005).abs() < 1e-6);
+    }
+
+    #[test]
+    fn teeth_cut_at_their_distance_each_with_its_own_error() {
+        let level = way(|_| 0.25);
+        let machine = Machine { tooth_scatter: 0.001, track_scatter: 0.002, ..Machine::ideal() };
+        let offsets: Vec<f64> = (0..400)
+            .map(|index| {
+                let cut = level.cut(&machine, 3, Which { index, backward: false }, samples(4));
+                let cuts: Vec<f64> = cut.iter().filter(|z| z.is_finite()).map(|z| f64::from(*z) - 0.25).collect();
+                assert_eq!(cuts.len(), 100);
+                let mean = cuts.iter().sum::<f64>() / 100.0;
+                let spread = (cuts.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / 99.0).sqrt();
+                // 0.001 within five standard errors of a hundred.
+                assert!((spread - 0.001).abs() < 5.0 * 0.001 / 198f64.sqrt(), "{spread}");
+                mean
+            })
+            .collect();
+        let spread = (offsets.iter().map(|z| z * z).sum::<f64>() / 400.0).sqrt();
+        assert!((spread - 0.002).abs() < 4.0 * 0.002 / 800f64.sqrt(), "{spread}");
+    }
+
+    #[test]
+    fn a_drive_rounds_a_corner_by_its_width() {
+        let corner = way(|x| (x - 1.0).max(0.0));
+        let soft = Machine { smoothing: 0.05, decimals: 9, ..Machine::ideal() };
+        let cut = corner.cut(&soft, 1, FORWARD, samples(1));
+        // At the corner a Gaussian of width s leaves s/√2π.
+        let expected = 0.05 / std::f64::consts::TAU.sqrt();
+        assert!((f64::from(cut[200]) - expected).abs() < 0.01 * expected, "{}", cut[200]);
+    }
+}
