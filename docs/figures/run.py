@@ -37,14 +37,14 @@ def report(picture, flags="", command="design"):
         return json.loads(run.stdout)
 
 
-def as_made(picture, design, machine, polish):
-    """What is said of a plate as a machine makes it, passes 0.02 mm apart."""
+def as_made(picture, design, making):
+    """What is said of a plate as a machine makes it."""
     with tempfile.TemporaryDirectory() as folder:
         drawing, plate = str(PICTURES / f"{picture}.png"), f"{folder}/plate"
         said = []
         for words in [
             ["design", drawing, "-o", plate, "--no-verify", *design.split()],
-            ["verify", plate, "--machine", machine, "--stepover", "0.02", "--polish", polish],
+            ["verify", plate, *making.split()],
         ]:
             run = subprocess.run([PROGRAM, *words, "--json"], capture_output=True, text=True, cwd=ROOT)
             if run.returncode:
@@ -234,8 +234,22 @@ def machines():
         ("--cells 1 --for-cutter ball:2 --polish 0.06", "0.06"),
     ]
     for machine in ["desktop", "desktop-good", "vmc", "vmc-good", "ultraprecision"]:
-        made = [as_made("portrait", design, machine, polish) for design, polish in plates]
+        making = f"--machine {machine} --stepover 0.02 --polish"
+        made = [as_made("portrait", design, f"{making} {polish}") for design, polish in plates]
         row(machine, *(f"{tv(m):.4f} / {m['ssim']['0.5']:.3f}" for m in made), f"{made[0]['finishing_hours']:.1f} h")
+
+
+@group
+def best_machining():
+    """docs/milling.md: portrait, what suits each machine."""
+    for machine, design, stepover, polish in [
+        ("desktop", "--size 100x100 --cells 1 --for-cutter ball:6", 0.1, 0.2),
+        ("desktop-good", "--cells 1 --for-cutter ball:2", 0.02, 0.1),
+        ("vmc", "--cells 1 --for-cutter ball:2", 0.04, 0.06),
+    ]:
+        making = f"--machine {machine} --stepover {stepover} --polish {polish}"
+        made = as_made("portrait", f"{design} --polish {polish}", making)
+        row(machine, f"{made['finishing_hours']:.2f} h", f"{tv(made):.4f} / {made['ssim']['0.5']:.3f}")
 
 
 def main(names):

@@ -3,7 +3,7 @@
 //! A track is straight seen from above: heights over the way along it. A segment from one sample to another is allowed if
 //! no sample between them is more than the tolerance above or below it; perpendicular to the segment they are nearer still.
 //! Of all choices the one with the least cost is taken, exactly, by dynamic programming: a segment costs 1, and one that is
-//! shorter than wanted [`SHORT_COST`] more. So none is short where that can be helped.
+//! shorter than wanted `SHORT_COST` more. So none is short where that can be helped.
 
 /// What a segment shorter than wanted costs beside its 1: on a roof whose kinks are 30 µm apart ten long detours for a short
 /// one were still too few to matter, and beyond this nothing changed.

@@ -85,7 +85,7 @@ pub(crate) fn of_facets(recipe: &Recipe) -> Recipe {
 fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -> Result<Option<Score>, DesignError> {
     let plate = design(recipe, light, &progress.to_the_end().hushed())?;
     let setup = &plate.distribution.setup;
-    let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), seed: recipe.design.seed, ..Measuring::default() };
+    let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), ..recipe.measuring() };
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let measurement = match recipe.design.sheet.cutter {

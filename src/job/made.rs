@@ -118,8 +118,8 @@ fn bare(
     let light = setup.light();
     let surface = machining.bare(ways, draw);
     let count = |tally: &mut Tally, slope: &DVec2| {
-        let normal = Slope::from_vec(*slope).normal();
-        let flux = (light.dot(normal) / (normal.z * light.z)).max(0.0);
+        let slope = Slope::from_vec(*slope);
+        let (normal, flux) = (slope.normal(), slope.intercept(light).max(0.0) / light.z);
         let direction = mirror(light, normal);
         let fate = if direction.z > 0.0 { Fate::Up } else { Fate::Down };
         let weight = metal.facet_share(light.dot(normal));

@@ -22,7 +22,6 @@ use crate::trace::Surface;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
 use crate::verify::elsewhere::{Elsewhere, ThrownElsewhere, change};
-use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::Measurement;
@@ -183,7 +182,7 @@ pub(super) fn prove_in_room(
 ) -> Result<Proof, DesignError> {
     progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
-    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let measuring = recipe.measuring();
     let metal: Material = recipe.metal();
     let room = RoomProof {
         recipe,

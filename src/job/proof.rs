@@ -20,7 +20,6 @@ use crate::setup::Setup;
 use crate::trace::Surface;
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
-use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::{MeasureError, Measurement};
@@ -35,7 +34,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     }
     progress.stage(Stage::Tracing);
     let setup = &design.distribution.setup;
-    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let measuring = recipe.measuring();
     let target = scored_target(light, recipe.highlight.quantity, setup, measuring.resolution);
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };

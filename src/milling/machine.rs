@@ -71,7 +71,7 @@ fn faultless(name: &str) -> Machine {
 /// The names of all presets, roughest first.
 pub const PRESETS: [&str; 5] = ["desktop", "desktop-good", "vmc", "vmc-good", "ultraprecision"];
 
-/// Names of a draft of these pages that mean the same.
+/// Other spellings of presets.
 const ALSO: [(&str, &str); 3] =
     [("desktop_good", "desktop-good"), ("vmc_good", "vmc-good"), ("ultra", "ultraprecision")];
 
@@ -190,6 +190,11 @@ impl Machine {
             }
         }
         Ok(())
+    }
+
+    /// Shortest segment of its programs, mm: at its feed its control takes no more lines a second.
+    pub fn shortest_segment(&self) -> f64 {
+        self.feed / 60.0 / self.lines_per_second
     }
 
     /// Standard deviation of heights that differ from track to track and from cut to cut, with steps and play, mm: how far

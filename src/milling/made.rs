@@ -13,7 +13,7 @@ use super::passes::{Frame, Passes, Ways};
 use super::polish::{taps, thinned};
 use super::sweep::{Sweep, even};
 use super::tip::TipHeights;
-use crate::cutter::Cutter;
+use crate::cutter::{Cutter, Profile};
 use crate::progress::Progress;
 use crate::relief::mesh::Mesh;
 use crate::relief::open::OpenRelief;
@@ -63,10 +63,24 @@ impl Machining {
     /// Where the tip should be, over the triangles of `mesh` that face up, for a plate of `plate` mm whose lower left corner
     /// is x = y = 0; of no use if the work is abandoned meanwhile.
     pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Ways {
-        let profile = self.cutter.profile();
-        let round = (8.0 * profile.arc * CHORD).sqrt();
-        let step = if profile.arc > 0.0 { round } else { profile.reach / PLACES_A_RADIUS };
-        Ways::new(&TipHeights::new(mesh, profile), plate, &self.passes, step, progress)
+        Ways::new(&TipHeights::new(mesh, self.cutter.profile()), plate, &self.passes, self.place(), progress)
+    }
+
+    /// From one place of the tip to the next along a pass, mm.
+    fn place(&self) -> f64 {
+        let Profile { arc, reach, .. } = self.cutter.profile();
+        if arc > 0.0 { (8.0 * arc * CHORD).sqrt() } else { reach / PLACES_A_RADIUS }
+    }
+
+    /// From one sample to the next along a pass that is polished by `sigma` mm, mm, at the most.
+    fn polished_sample(&self, sigma: f64) -> f64 {
+        (self.machine.feed_per_tooth / POLISHED_TOOTH).max(sigma / SAMPLES)
+    }
+
+    /// The same along a pass that is not.
+    fn bare_sample(&self) -> f64 {
+        let feed = self.machine.feed_per_tooth;
+        (if feed > 0.0 { feed } else { self.passes.stepover }) / BARE_TOOTH
     }
 
     /// The plate as draw number `draw` of the machine's errors leaves it and as it is polished.
@@ -74,19 +88,12 @@ impl Machining {
     /// `None` without polish, or if the work is abandoned.
     pub fn polished(&self, ways: &Ways, draw: u64, progress: &Progress) -> Option<OpenRelief> {
         let sigma = self.polish?;
-        let plate = ways.plate();
-        let frame = ways.frame;
-        let nodes = |length: f64| (length / (NODES * sigma)).ceil().max(1.0);
-        let apart = [frame.size.x, frame.size.y].map(|length| length / nodes(length));
-        let finer = |apart: f64, wanted: f64| (apart / wanted).ceil().max(1.0);
-        let tooth = self.machine.feed_per_tooth / POLISHED_TOOTH;
-        let every = [
-            finer(apart[0], tooth.max(sigma / SAMPLES)) as usize,
-            finer(apart[1], self.passes.stepover / ROWS_A_PASS) as usize,
-        ];
+        let squares = (ways.frame.size / (NODES * sigma)).ceil().max(DVec2::ONE);
+        let apart = (ways.frame.size / squares).to_array();
+        let [columns, rows] = squares.to_array().map(|n| n as usize + 1);
+        let finer = |apart: f64, wanted: f64| (apart / wanted).ceil().max(1.0) as usize;
+        let every = [finer(apart[0], self.polished_sample(sigma)), finer(apart[1], self.passes.stepover / ROWS_A_PASS)];
         let sweep = self.sweep(ways, apart[0] / every[0] as f64, draw);
-        let columns = nodes(frame.size.x) as usize + 1;
-        let rows = nodes(frame.size.y) as usize + 1;
         let across = apart[1] / every[1] as f64;
         let along = taps(sigma / sweep.step());
         let count = (rows - 1) * every[1] + 1;
@@ -107,15 +114,13 @@ impl Machining {
         progress.check().ok()?;
         let smooth = down(&fine, columns, &taps(sigma / across), every[1]);
         drop(fine);
-        Some(on_plate(ways, plate, smooth, [columns, rows]))
+        Some(on_plate(&ways.frame, smooth, [columns, rows]))
     }
 
     /// The plate as draw number `draw` of the machine's errors leaves it, without polish.
     pub fn bare(&self, ways: &Ways, draw: u64) -> BareSurface {
-        let tooth = Some(self.machine.feed_per_tooth).filter(|feed| *feed > 0.0).unwrap_or(self.passes.stepover);
         let length = ways.frame.size.x;
-        let step = length / (length * BARE_TOOTH / tooth).ceil();
-        BareSurface { sweep: self.sweep(ways, step, draw), plate: ways.plate() }
+        BareSurface { sweep: self.sweep(ways, length / (length / self.bare_sample()).ceil(), draw) }
     }
 
     /// Height of the cusps between two passes over a level plate, mm.
@@ -127,11 +132,11 @@ impl Machining {
     pub fn check(&self, plate: DVec2) -> Result<(), MachiningError> {
         let Self { cutter, passes, polish, .. } = self;
         let (widest, size) = (cutter.reach(), plate.min_element());
-        if !(passes.stepover >= LEAST_STEPOVER && passes.stepover <= widest) {
-            return Err(MachiningError::Stepover { stepover: passes.stepover, widest });
-        }
         if !(cutter.diameter() > 0.0 && cutter.diameter() <= size) {
             return Err(MachiningError::Cutter { cutter: *cutter, size });
+        }
+        if !(passes.stepover >= LEAST_STEPOVER && passes.stepover <= widest) {
+            return Err(MachiningError::Stepover { stepover: passes.stepover, widest });
         }
         match polish.filter(|polish| !(*polish > 0.0 && *polish <= 0.05 * size)) {
             Some(polish) => Err(MachiningError::Polish { polish, most: 0.05 * size }),
@@ -142,16 +147,12 @@ impl Machining {
     /// Memory that the surface of a plate of `plate` mm takes, bytes, about.
     pub fn bytes(&self, plate: DVec2) -> f64 {
         let frame = Frame::new(plate, self.passes.angle).size;
-        let radius = self.cutter.profile().arc;
-        let place = if radius > 0.0 { (8.0 * radius * CHORD).sqrt() } else { self.cutter.reach() / PLACES_A_RADIUS };
         let passes = frame.y / self.passes.stepover;
-        let sample = |sigma: f64| (self.machine.feed_per_tooth / POLISHED_TOOTH).max(sigma / SAMPLES);
-        let tooth = Some(self.machine.feed_per_tooth).filter(|feed| *feed > 0.0).unwrap_or(self.passes.stepover);
-        let along = frame.x / self.polish.map_or(tooth / BARE_TOOTH, sample);
+        let along = frame.x / self.polish.map_or_else(|| self.bare_sample(), |sigma| self.polished_sample(sigma));
         let nodes = self.polish.map_or(0.0, |sigma| frame.x / (NODES * sigma));
         let rows = ROWS_A_PASS * passes;
         // Heights as they should be and as they are, thinned rows, and a node of the surface as it is closed and traced.
-        8.0 * passes * frame.x / place
+        8.0 * passes * frame.x / self.place()
             + 4.0 * passes * along
             + 4.0 * rows * nodes
             + NODE * nodes * nodes * frame.y / frame.x
@@ -168,7 +169,6 @@ impl Machining {
 /// A surface that was not polished, known row by row.
 pub struct BareSurface {
     sweep: Sweep,
-    plate: DVec2,
 }
 
 impl BareSurface {
@@ -183,8 +183,7 @@ impl BareSurface {
         self.sweep.slopes(y, shift, &mut slopes);
         for (i, slope) in slopes.iter_mut().enumerate() {
             let place = frame.on_plate(DVec2::new(self.sweep.step() * i as f64 + shift, y));
-            let inside = place.cmpge(DVec2::ZERO).all() && place.cmple(self.plate).all();
-            *slope = if inside { frame.turned(*slope) } else { DVec2::NAN };
+            *slope = if frame.is_on_plate(place) { frame.turned(*slope) } else { DVec2::NAN };
         }
         slopes
     }
@@ -204,8 +203,10 @@ pub enum MachiningError {
         /// The most, mm.
         widest: f64,
     },
-    /// A cutter wider than the plate.
-    #[error("the cutter {cutter} is wider than the plate's {size:.3} mm: name a smaller one")]
+    /// A cutter of no size, or wider than the plate.
+    #[error(
+        "the cutter {cutter} does not fit: name one wider than 0, and no wider than the plate's smaller side, {size:.3} mm"
+    )]
     Cutter {
         /// The cutter.
         cutter: Cutter,
@@ -262,12 +263,12 @@ fn add(sum: &mut [f64], rows: &[f32], columns: usize, (k, last): (isize, isize),
 }
 
 /// A grid of the frame at the nodes of the plate, as far apart.
-fn on_plate(ways: &Ways, plate: DVec2, heights: Vec<f32>, [columns, rows]: [usize; 2]) -> OpenRelief {
-    let frame = ways.frame;
+fn on_plate(frame: &Frame, heights: Vec<f32>, [columns, rows]: [usize; 2]) -> OpenRelief {
     let apart = frame.size / DVec2::new((columns - 1) as f64, (rows - 1) as f64);
     if frame.turned(DVec2::X) == DVec2::X {
         return OpenRelief { nodes: [columns, rows], step: apart, heights };
     }
+    let plate = frame.plate();
     let squares = [plate.x / apart.min_element(), plate.y / apart.min_element()].map(|n| n.ceil().max(1.0));
     let step = plate / DVec2::from_array(squares);
     let nodes = squares.map(|n| n as usize + 1);

@@ -25,7 +25,7 @@ pub struct Passes {
 /// The rectangle of passes around a plate, in its own axes: along the passes and across them, from its lower left corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
-    pub(super) middle: DVec2,
+    middle: DVec2,
     along: DVec2,
     /// Size along and across, mm.
     pub size: DVec2,
@@ -45,6 +45,16 @@ impl Frame {
     /// A place of the frame on the plate, mm.
     pub fn on_plate(&self, place: DVec2) -> DVec2 {
         self.middle + self.turned(place - 0.5 * self.size)
+    }
+
+    /// Size of the plate, mm.
+    pub fn plate(&self) -> DVec2 {
+        2.0 * self.middle
+    }
+
+    /// Whether a place in the plate's own axes, mm, lies on it.
+    pub fn is_on_plate(&self, place: DVec2) -> bool {
+        place.cmpge(DVec2::ZERO).all() && place.cmple(self.plate()).all()
     }
 
     /// A place of the plate in the frame, mm.
@@ -99,11 +109,6 @@ impl Ways {
         Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
     }
 
-    /// Size of the plate, mm.
-    pub fn plate(&self) -> DVec2 {
-        2.0 * self.frame.middle
-    }
-
     /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.
     pub fn hours(&self, machine: &Machine, zigzag: bool) -> f64 {
         let length = self.frame.size.x + 2.0 * self.overrun;
@@ -128,11 +133,7 @@ impl Ways {
 
 /// Over the plate; beyond its rim the cutter rolls down, and leaves nothing there.
 fn steepest(ways: &[(f64, Way)], frame: &Frame) -> f64 {
-    let plate = 2.0 * frame.middle;
-    let over = |a: DVec2, b: DVec2| {
-        let inside = |at: DVec2| at.cmpge(DVec2::ZERO).all() && at.cmple(plate).all();
-        inside(frame.on_plate(a)) && inside(frame.on_plate(b))
-    };
+    let over = |a: DVec2, b: DVec2| [a, b].iter().all(|at| frame.is_on_plate(frame.on_plate(*at)));
     let rises = |[(y, way), (next_y, next)]: [&(f64, Way); 2]| {
         let rise = |a: DVec2, b: DVec2, rise: f64| if over(a, b) { (rise / (b - a).length()).abs() } else { 0.0 };
         let at = |i: usize| DVec2::new(way.from + way.step * i as f64, *y);

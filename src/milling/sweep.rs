@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::machine::Machine;
 use super::passes::{Frame, Ways};
-use super::track::{Samples, Which};
+use super::track::{Samples, Way, Which};
 use crate::cutter::Profile;
 
 /// Places handled at once, so that they stay in the nearest cache.
@@ -82,7 +82,7 @@ impl Sweep {
         let ahead = (ways.overrun / step).ceil();
         let count = (ways.frame.size.x / step).round() as usize + 1 + 2 * ahead as usize;
         let samples = Samples { from: -ahead * step, step, count, tooth };
-        let cut = |(k, (y, way)): (usize, &(f64, super::track::Way))| {
+        let cut = |(k, (y, way)): (usize, &(f64, Way))| {
             let which = Which { index: k as u64, backward: zigzag && k % 2 == 1 };
             Track { y: *y, tips: way.cut(machine, seed, which, samples) }
         };
@@ -151,9 +151,8 @@ impl Sweep {
     }
 
     /// Tells `visit`, of `count` places of a row from place `first` on, every sample of every track that can be over them:
-    /// from the cutter's axis to
-    /// the place, how many places of the row it misses, the tips' heights over those that follow, and the underside's height
-    /// above them.
+    /// from the cutter's axis to the place, how many places of the row it misses, the tips' heights over those that follow,
+    /// and the underside's height above them.
     fn passing(
         &self,
         y: f64,

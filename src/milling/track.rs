@@ -10,9 +10,6 @@ use super::random::{normal, stream};
 /// How far a segment of a program may lie from the cutter's way, mm: a fiftieth of what a good machine's tracks differ by.
 const CHORD: f64 = 5e-5;
 
-/// Shortest segment of a program, mm: at 10 mm/s the 400 lines a second that small controls take.
-const SHORTEST: f64 = 0.025;
-
 /// Heights of the tip along a straight track, evenly spaced.
 pub(super) struct Way {
     /// Place of the first along the track, mm.
@@ -46,7 +43,8 @@ impl Way {
     fn programmed(&self, machine: &Machine) -> Vec<[f64; 2]> {
         let point = |k: usize| [self.from + self.step * k as f64, self.heights[k]];
         let last = self.heights.len() - 1;
-        let (shortest, longest) = [SHORTEST, machine.segment].map(|l| ((l / self.step).round() as usize).max(1)).into();
+        let (shortest, longest) =
+            [machine.shortest_segment(), machine.segment].map(|l| ((l / self.step).round() as usize).max(1)).into();
         let mut ends = vec![point(0)];
         let mut at = 0;
         while at < last {

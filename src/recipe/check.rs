@@ -189,29 +189,29 @@ pub enum RecipeError {
     #[error(transparent)]
     UnmodelledCutter(#[from] UnmodelledCutter),
     /// A ball wider than what it shall cut.
-    #[error("a ball of {diameter} mm cannot cut cells of {cell:.3} mm: take a smaller cutter or fewer --cells")]
+    #[error("a cutter of {diameter} mm cannot cut cells of {cell:.3} mm: take a smaller cutter or fewer --cells")]
     CutterBeyondCell {
-        /// Diameter of the ball, mm.
+        /// Its diameter, mm.
         diameter: f64,
         /// Shorter side of a cell, mm.
         cell: f64,
     },
-    /// A ball too small to follow over a plate.
+    /// A cutter too small to follow over a plate.
     #[error(
-        "a ball of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
+        "a cutter of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
     )]
     CutterTooFine {
-        /// Diameter of the ball, mm.
+        /// Its diameter, mm.
         diameter: f64,
         /// The smallest that can be, mm.
         least: f64,
     },
-    /// A ball that takes thousands of facets to pass over.
+    /// A cutter that takes thousands of facets to pass over.
     #[error(
-        "a ball of {diameter} mm is too wide to be followed over facets of {pitch:.4} mm: take a smaller cutter in --for-cutter or fewer --facets"
+        "a cutter of {diameter} mm is too wide to be followed over facets of {pitch:.4} mm: take a smaller cutter in --for-cutter or fewer --facets"
     )]
     CutterTooWide {
-        /// Diameter of the ball, mm.
+        /// Its diameter, mm.
         diameter: f64,
         /// Shorter side of a facet, mm.
         pitch: f64,

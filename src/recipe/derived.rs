@@ -13,6 +13,7 @@ use crate::relief::rim::Rim;
 use crate::sculpt::plan::{SheetSpec, suitable_grid};
 use crate::setup::Setup;
 use crate::sharpen::BlurKernel;
+use crate::verify::experiment::Measuring;
 
 /// How far a rim throws its light past the picture, degrees, lamp and metal's lobe aside: twice the blur at which pictures
 /// are compared, so that nothing of it shows at their rim.
@@ -62,6 +63,11 @@ impl Recipe {
             Arrangement::Anneal => Heights::Cyclic,
             Arrangement::Transport | Arrangement::Random => Heights::Free,
         })
+    }
+
+    /// How finely light is sent over its plate.
+    pub fn measuring(&self) -> Measuring {
+        Measuring { rays: self.verify.rays, seed: self.design.seed, ..Measuring::default() }
     }
 
     /// Cells along x and y: as asked; else one dome of facets, and about nine cells of a sheet, as square as

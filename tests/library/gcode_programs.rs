@@ -7,6 +7,8 @@ use facetmill::gcode::program::Kind;
 use facetmill::gcode::read::read;
 use glam::DVec3;
 
+use crate::moves::going;
+
 /// Digits of the places that were drawn, mm.
 const DIGITS: f64 = 1e-6;
 
@@ -16,16 +18,6 @@ const ROUNDING: f64 = 1e-3;
 fn point(words: &[&str]) -> DVec3 {
     let numbers: Vec<f64> = words.iter().map(|word| word.parse().unwrap()).collect();
     DVec3::from_slice(&numbers)
-}
-
-/// Those of `moves` that go anywhere, or along an arc: a place said again is no move in a program that was read.
-fn going<T>(moves: impl Iterator<Item = T>, place: impl Fn(&T) -> (bool, DVec3)) -> Vec<T> {
-    let mut at = DVec3::ZERO;
-    let goes = |one: &T| {
-        let (is_arc, to) = place(one);
-        std::mem::replace(&mut at, to).distance(to) > 1e-7 || is_arc
-    };
-    moves.filter(goes).collect()
 }
 
 #[test]

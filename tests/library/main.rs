@@ -1,5 +1,7 @@
 //! The library as its callers see it: known answers, laws of light, closed solids, hostile input.
 
+#[path = "../moves/mod.rs"]
+mod moves;
 #[path = "../plates/mod.rs"]
 mod plates;
 

@@ -13,19 +13,10 @@ use facetmill::gcode::write::{Cutting, body, sealed};
 use glam::DVec3;
 
 use crate::asking::{ask, skip};
+use crate::moves::going;
 
 /// What the interpreter prints of positions, mm; it reckons in inches.
 const DIGITS: f64 = 2e-8;
-
-/// Those of `moves` that go anywhere, or along an arc: a place said again is no move in our reading.
-fn going<T>(moves: impl Iterator<Item = T>, place: impl Fn(&T) -> (bool, DVec3)) -> Vec<T> {
-    let mut at = DVec3::ZERO;
-    let goes = |one: &T| {
-        let (is_arc, to) = place(one);
-        std::mem::replace(&mut at, to).distance(to) > 1e-7 || is_arc
-    };
-    moves.filter(goes).collect()
-}
 
 /// Whether `program` is what LinuxCNC said.
 fn compare(name: &str, program: &Program, said: &str) {

@@ -1,6 +1,8 @@
 //! What programs of others say of our files. Where one of them is not installed its tests are skipped, visibly; with
 //! FACETMILL_REQUIRE_CHECKERS=1 that is a failure.
 
+#[path = "../moves/mod.rs"]
+mod moves;
 #[path = "../plates/mod.rs"]
 mod plates;
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use facetmill::glam::DVec2;
 use facetmill::job::findings::MadeProof;
 use facetmill::job::made::prove_as_made;
 use facetmill::memory::{MemoryLimit, Need};
@@ -12,7 +13,6 @@ use facetmill::progress::Progress;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
 use facetmill::setup::Setup;
-use facetmill::verify::experiment::Measuring;
 use facetmill::verify::measure::Mirrored;
 
 use crate::args::MachiningArgs;
@@ -39,8 +39,10 @@ pub fn of(args: &MachiningArgs, recipe: &Recipe) -> Result<Option<Machining>, Fa
         Failure::Usage("--machine: say with --cutter what it cuts with, such as ball:0.5; the recipe names none".into())
     })?;
     let polish = args.polish.or(recipe.design.sheet.polish).filter(|polish| *polish != 0.0);
-    let usual = polish.map_or(f64::INFINITY, |sigma| CUSPS_GONE * sigma).min(0.5 * cutter.reach());
-    let usual = if polish.is_some() { usual } else { cutter.tip_diameter() / PASSES_A_DIAMETER };
+    let usual = match polish {
+        Some(sigma) => (CUSPS_GONE * sigma).min(0.5 * cutter.reach()),
+        None => cutter.tip_diameter() / PASSES_A_DIAMETER,
+    };
     let angle = args.pass_angle.unwrap_or(0.0);
     if !(-360.0..=360.0).contains(&angle) {
         return Err(Failure::Usage(format!("--pass-angle is {angle}: it must be from -360 to 360")));
@@ -65,14 +67,22 @@ fn machine(name: &str) -> Result<Machine, Failure> {
 /// A plate to be made and proved.
 pub struct Task {
     /// How.
-    pub machining: Machining,
+    machining: Machining,
     /// In how many draws of the machine's errors.
-    pub draws: u64,
-    /// The most memory.
-    pub limit: MemoryLimit,
+    draws: u64,
+    /// Its optical area, mm.
+    plate: DVec2,
 }
 
 impl Task {
+    /// Refuses, before any work, a plate of `plate` mm that cannot be made so.
+    pub fn new(machining: Machining, draws: u64, plate: DVec2, limit: MemoryLimit) -> Result<Self, Failure> {
+        machining.check(plate).map_err(|error| Failure::Impossible(error.to_string()))?;
+        let remedy = "take a wider --stepover or --polish, or a smaller plate";
+        limit.admit(Need::new(machining.bytes(plate), "the surface as made", remedy))?;
+        Ok(Self { machining, draws, plate })
+    }
+
     /// Light over the opened plate, whose rim of `margin` mm is no optical area, as it is made.
     pub fn done(
         &self,
@@ -80,15 +90,16 @@ impl Task {
         (target, setup): (&Raster, &Setup),
         progress: &Progress,
     ) -> Result<MadeProof, Failure> {
-        let machining = &self.machining;
-        let plate = opened.size.truncate() - 2.0 * margin;
-        machining.check(plate).map_err(|error| Failure::Impossible(error.to_string()))?;
-        let remedy = "take a wider --stepover or --polish, or a smaller plate";
-        self.limit.admit(Need::new(machining.bytes(plate), "the surface as made", remedy))?;
         let metal = recipe.metal();
-        let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+        let measuring = recipe.measuring();
         let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
         let blur = recipe.blur(setup);
-        Ok(prove_as_made(machining, (&opened.mesh, plate, margin), (target, blur.as_ref()), self.draws, mirrored)?)
+        Ok(prove_as_made(
+            &self.machining,
+            (&opened.mesh, self.plate, margin),
+            (target, blur.as_ref()),
+            self.draws,
+            mirrored,
+        )?)
     }
 }

@@ -73,6 +73,10 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
     let margin = args.margin.unwrap_or(border);
     let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
+    let plate = opened.size.truncate() - 2.0 * margin;
+    let task =
+        machining.map(|machining| machining::Task::new(machining, args.machining.draws.unwrap_or(1), plate, limit));
+    let task = task.transpose()?;
     let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
     let setup = match (args.mount, mount) {
@@ -80,8 +84,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         (mount, _) => mounted(recipe.setup(), mount)?,
     };
     let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
-    if let Some(machining) = machining {
-        let task = machining::Task { machining, draws: args.machining.draws.unwrap_or(1), limit };
+    if let Some(task) = task {
         proof.made = Some(task.done((&recipe, &opened, margin), (&proof.target, &setup), &progress)?);
     }
     progress.stage(Stage::Files);
@@ -245,7 +248,7 @@ fn proof(
     progress: &Progress,
 ) -> Result<Proof, Failure> {
     progress.stage(Stage::Tracing);
-    let measuring = Measuring { rays: recipe.verify.rays, seed: recipe.design.seed, ..Measuring::default() };
+    let measuring = recipe.measuring();
     let unlit = |error| {
         let name = plate.display();
         let what = format!("{name}: no light reaches the highlight image: check units, orientation and --light");
