@@ -165,6 +165,8 @@ fn facets_chosen_instead_of_a_sheet_report_on_themselves() {
     // Told to finish at once, a sheet is the first one tried, and facets are better.
     let mut recipe = small(32);
     recipe.design.sheet.cutter = None;
+    // What only a sheet has would ask for a sheet.
+    (recipe.plate.cells, recipe.plate.grid) = (None, None);
     let (token, _) = ending_at(1, CancelToken::finish);
     let stages = Mutex::new(Vec::new());
     let outcome = heard(&recipe, &token, |event| {
