@@ -10,6 +10,7 @@ use super::pictures::{ProofPictures, target_picture};
 use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
 use crate::export::shading::ReliefPicture;
+use crate::export::sheet::sheet_solid;
 use crate::export::stl::write_stl;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
@@ -44,6 +45,10 @@ pub enum When {
     Proved,
     /// If light was sent over the plate as a cutter or polish leaves it.
     Milled,
+    /// If light was sent over the plate as a machine makes it.
+    Made,
+    /// If the surface that a machine and polish leave was asked for.
+    Surface,
 }
 
 /// The files of a design, in the order in which they are written.
@@ -76,6 +81,12 @@ pub const DESIGN: &[Export] = &[
         when: When::Milled,
         write: |from, out| from.proof(|p, out| p.milled.as_ref().map_or(Ok(()), |page| png(page, out)), out),
     },
+    Export {
+        name: "comparison_made.png",
+        when: When::Made,
+        write: |from, out| from.proof(|p, out| p.made.as_ref().map_or(Ok(()), |page| png(page, out)), out),
+    },
+    Export { name: "as-made.stl", when: When::Surface, write: |from, out| from.surface(out) },
     Export {
         name: "recipe.toml",
         when: When::Always,
@@ -182,10 +193,14 @@ impl<'a> Source<'a> {
     fn due(&self) -> impl Iterator<Item = &'static Export> {
         let proof = self.product.proof.as_ref();
         let (proved, milled) = (proof.is_some(), proof.is_some_and(|proof| proof.milled.is_some()));
+        let made = proof.and_then(|proof| proof.made.as_ref());
+        let surface = self.product.recipe.machining.as_made_stl && made.is_some_and(|made| made.surface.is_some());
         DESIGN.iter().filter(move |export| match export.when {
             When::Always => true,
             When::Proved => proved,
             When::Milled => milled,
+            When::Made => made.is_some(),
+            When::Surface => surface,
         })
     }
 
@@ -195,6 +210,15 @@ impl<'a> Source<'a> {
             map.sidecar.rim = self.product.about_rim();
             Ok(map)
         })
+    }
+
+    fn surface(&self, mut out: &mut dyn Write) -> io::Result<()> {
+        let Product { recipe, proof, .. } = self.product;
+        let Some(surface) = proof.as_ref().and_then(|proof| proof.made.as_ref()?.surface.as_ref()) else {
+            return Ok(());
+        };
+        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0, self.progress).map_err(io::Error::other)?;
+        write_stl(&solid, &mut out)
     }
 
     fn relief(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -3,16 +3,17 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::design::DesignError;
-use super::findings::MadeProof;
+use super::design::{Design, DesignError};
+use super::findings::{MadeProof, Proof, RimProof};
 use crate::export::sheet::sheet_solid;
 use crate::milling::made::Machining;
 use crate::milling::passes::Ways;
-use crate::progress::Stage;
+use crate::progress::{Progress, Stage};
 use crate::projection::View;
 use crate::raster::Raster;
+use crate::recipe::Recipe;
 use crate::relief::mesh::Mesh;
-use crate::report::verify::MadeFacts;
+use crate::report::made::MadeFacts;
 use crate::sharpen::{BlurKernel, seen};
 use crate::slope::{Slope, angle_between, mirror};
 use crate::trace::path::{End, Fate};
@@ -32,15 +33,45 @@ const THICKNESS: f64 = 1.0;
 /// Angle from straight back within which a false spot is looked for, degrees.
 const SPOT: f64 = 0.5;
 
+/// Proves `design` as the machine of its recipe makes it, if that names one; `proof` has its target and the light of its rim.
+///
+/// # Errors
+/// As [`prove_as_made`].
+pub fn made_by_machine(
+    recipe: &Recipe,
+    design: &Design,
+    proof: &Proof,
+    progress: &Progress,
+) -> Result<Option<MadeProof>, DesignError> {
+    let Some(machining) = recipe.machining()? else { return Ok(None) };
+    let setup = &design.distribution.setup;
+    let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(setup));
+    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    let plate = (&design.mesh, DVec2::from(recipe.plate.size), recipe.plate.border);
+    let seen = Seen { target: &proof.target, blur: blur.as_ref(), rim: proof.rim.as_ref() };
+    prove_as_made(&machining, plate, seen, recipe.draws(), mirrored).map(Some)
+}
+
+/// What a plate as made is looked at beside, and what is seen with it.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// The drawing.
+    pub target: &'a Raster,
+    /// What lamp and metal blur, if they do.
+    pub blur: Option<&'a BlurKernel>,
+    /// Light of the rim, which no machine alters.
+    pub rim: Option<&'a RimProof>,
+}
+
 /// Proves `mesh`, whose optical area of `plate` mm begins `margin` mm inside its box, as `machining` leaves it in each of
-/// `draws` draws of the machine's errors; `blur` is that of lamp and metal.
+/// `draws` draws of the machine's errors.
 ///
 /// # Errors
 /// The made plate cannot be closed or traced, no light reaches the image, or the caller asked to stop.
 pub fn prove_as_made(
     machining: &Machining,
     (mesh, plate, margin): (&Mesh, DVec2, f64),
-    (target, blur): (&Raster, Option<&BlurKernel>),
+    Seen { target, blur, rim }: Seen,
     draws: u64,
     mirrored: Mirrored,
 ) -> Result<MadeProof, DesignError> {
@@ -51,7 +82,9 @@ pub fn prove_as_made(
     let mut found: Vec<(Measurement, Verdict)> = Vec::new();
     let mut first = None;
     for draw in 0..draws.max(1) {
-        progress.stage(Stage::Milling);
+        if draw > 0 {
+            progress.stage(Stage::Milling);
+        }
         let measurement = match machining.polish {
             Some(_) => {
                 let surface = machining.polished(&ways, draw, progress);
@@ -66,7 +99,10 @@ pub fn prove_as_made(
         };
         progress.check()?;
         progress.stage(Stage::Scoring);
-        let measurement = measurement?;
+        let measurement = match rim {
+            Some(rim) if rim.counts => rim.light.over(measurement?),
+            _ => measurement?,
+        };
         let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
         found.push((measurement, verdict));
     }
@@ -78,6 +114,13 @@ pub fn prove_as_made(
 }
 
 impl MadeProof {
+    /// By what and with what, such as `vmc makes it with ball:0.5, polished 40 µm`.
+    pub fn how(&self) -> String {
+        let Machining { machine, cutter, polish, .. } = &self.machining;
+        let polish = polish.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+        format!("{} makes it with {cutter}, {polish}", machine.name)
+    }
+
     /// What a report says of it.
     pub fn facts(&self) -> MadeFacts {
         let Machining { machine, cutter, passes, polish, .. } = &self.machining;

@@ -3,6 +3,8 @@
 //! Every figure is bytes at once in one stage, for each of what the stage's arrays have as many entries as. They were
 //! measured as peaks of resident memory over sizes that differ at least fourfold, and rounded up.
 
+use glam::DVec2;
+
 use crate::memory::Need;
 use crate::recipe::{Recipe, SurfaceKind};
 use crate::sculpt::milled_facets::Places;
@@ -56,7 +58,11 @@ pub fn need(recipe: &Recipe, side: usize, proved: bool) -> Need {
         SurfaceKind::Facets => faceted(recipe, proved),
         SurfaceKind::Sheet => sheet(recipe, proved),
     };
-    let whole = stages.into_iter().reduce(Need::or);
+    let made = Some(recipe).filter(|_| proved).and_then(|recipe| recipe.machining().ok().flatten()).map(|machining| {
+        let surface = machining.bytes(DVec2::from(recipe.plate.size)) + plate_bytes(recipe);
+        Need::new(surface, "the surface as made", "take a wider --stepover or --polish, or a smaller --size")
+    });
+    let whole = stages.into_iter().chain(made).reduce(Need::or);
     let more = |need: Need| Need { bytes: (ground + need.bytes as f64) as u64, ..need };
     whole.map_or(Need::new(ground, "the picture", "take a smaller one"), more)
 }
@@ -87,6 +93,18 @@ fn sheet(recipe: &Recipe, proved: bool) -> Vec<Need> {
         stages.extend(beside.into_iter().map(|need| Need { bytes: need.bytes + (SQUARE.0 * squares) as u64, ..need }));
     }
     stages
+}
+
+/// The plate itself, as it lies there while it is made.
+fn plate_bytes(recipe: &Recipe) -> f64 {
+    let product = |sides: [usize; 2]| sides.iter().map(|n| *n as f64).product::<f64>();
+    match recipe.surface() {
+        SurfaceKind::Facets => FACET * product(recipe.facets()),
+        SurfaceKind::Sheet => {
+            let spec = recipe.sculpting();
+            SQUARE.0 * product(spec.cells) * (spec.grid as f64).powi(2)
+        }
+    }
 }
 
 fn faceted(recipe: &Recipe, proved: bool) -> Vec<Need> {

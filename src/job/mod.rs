@@ -54,6 +54,7 @@ use crate::recipe::Recipe;
 use crate::sculpt::checkpoint::Checkpoint;
 use compare::{beside_facets, of_facets};
 use design::{DesignError, OnStep, design, design_with_checkpoints};
+use made::made_by_machine;
 use proof::prove;
 
 /// What is to be done.
@@ -124,10 +125,11 @@ impl Job<'_> {
         if !self.proved {
             return Ok(Product { recipe, design: made, proof: None, comparison: None });
         }
-        let proof = prove(&recipe, light, &made, progress)?;
+        let mut proof = prove(&recipe, light, &made, progress)?;
         let comparison = beside_facets(&recipe, light, &made, &proof, progress)?;
         let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
         if !facets_win {
+            proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
             return Ok(Product { recipe, design: made, proof: Some(proof), comparison });
         }
         progress.stage(Stage::Facets);
@@ -135,7 +137,8 @@ impl Job<'_> {
         let mut facets = design(&recipe, light, &progress.to_the_end())?;
         facets.ended_early |= made.ended_early;
         let made = facets;
-        let proof = prove(&recipe, light, &made, progress)?;
+        let mut proof = prove(&recipe, light, &made, progress)?;
+        proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
         Ok(Product { recipe, design: made, proof: Some(proof), comparison })
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::advice::{about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
-use super::findings::{MilledProof, Proof, SheetProof};
+use super::findings::{MadeProof, MilledProof, Proof, SheetProof};
 use super::lighter::{Lighter, lighter};
 use super::near::NearDesign;
 use super::product::Product;
@@ -67,6 +67,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
         windows_tv_1deg: sheet_proof.map(windows),
         diffraction: sheet_proof.map(diffraction),
         as_milled: milled.map(as_milled),
+        as_made: proof.as_ref().and_then(|proof| proof.made.as_ref()).map(MadeProof::facts),
         beside_facets: comparison.as_ref().map(beside_facets),
         verdict: proof.as_ref().map(|proof| one_sentence(recipe, proof)),
         advice: said,
@@ -75,6 +76,9 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
 
 /// How the light of the plate came out: as it is made, if that is known.
 fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
+    if let Some(made) = &proof.made {
+        return in_a_sentence(&made.verdict, &format!("As {}", made.how()));
+    }
     match (&proof.milled, recipe.design.sheet.cutter) {
         (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("Cut by {cutter}")),
         (Some(milled), None) => in_a_sentence(&milled.verdict, "Polished"),

@@ -36,7 +36,7 @@ const BARE_TOOTH: f64 = 8.0;
 const CHORD: f64 = 2.5e-5;
 
 /// Passes no closer than this are told apart, mm.
-const LEAST_STEPOVER: f64 = 0.0005;
+pub const LEAST_STEPOVER: f64 = 0.0005;
 
 /// Bytes of a node as its surface is closed and traced.
 const NODE: f64 = 120.0;
@@ -144,18 +144,26 @@ impl Machining {
         }
     }
 
-    /// Memory that the surface of a plate of `plate` mm takes, bytes, about.
-    pub fn bytes(&self, plate: DVec2) -> f64 {
+    /// What the surface of a plate of `plate` mm consists of.
+    pub fn work(&self, plate: DVec2) -> Work {
         let frame = Frame::new(plate, self.passes.angle).size;
         let passes = frame.y / self.passes.stepover;
         let along = frame.x / self.polish.map_or_else(|| self.bare_sample(), |sigma| self.polished_sample(sigma));
-        let nodes = self.polish.map_or(0.0, |sigma| frame.x / (NODES * sigma));
-        let rows = ROWS_A_PASS * passes;
+        let columns = self.polish.map_or(0.0, |sigma| frame.x / (NODES * sigma));
+        Work {
+            places: passes * frame.x / self.place(),
+            cuts: passes * along,
+            samples: ROWS_A_PASS * passes * along,
+            thinned: ROWS_A_PASS * passes * columns,
+            nodes: columns * columns * frame.y / frame.x,
+        }
+    }
+
+    /// Memory that the surface of a plate of `plate` mm takes, bytes, about.
+    pub fn bytes(&self, plate: DVec2) -> f64 {
+        let Work { places, cuts, thinned, nodes, .. } = self.work(plate);
         // Heights as they should be and as they are, thinned rows, and a node of the surface as it is closed and traced.
-        8.0 * passes * frame.x / self.place()
-            + 4.0 * passes * along
-            + 4.0 * rows * nodes
-            + NODE * nodes * nodes * frame.y / frame.x
+        8.0 * places + 4.0 * cuts + 4.0 * thinned + NODE * nodes
     }
 
     fn sweep(&self, ways: &Ways, step: f64, draw: u64) -> Sweep {
@@ -164,6 +172,21 @@ impl Machining {
         let seed = self.seed.wrapping_add(draw << 32);
         Sweep::new(ways, (profile, &self.machine), self.passes.zigzag, step, seed)
     }
+}
+
+/// Numbers of what a surface as made consists of, about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Places at which the cutter is lowered onto the triangles.
+    pub places: f64,
+    /// Heights of the tip along all passes as they are cut.
+    pub cuts: f64,
+    /// Samples of the surface before polish.
+    pub samples: f64,
+    /// Of those, what is kept after polish along the passes.
+    pub thinned: f64,
+    /// Nodes of the polished surface; none without polish.
+    pub nodes: f64,
 }
 
 /// A surface that was not polished, known row by row.

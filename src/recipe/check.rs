@@ -3,6 +3,7 @@
 use super::settings::{LEAST_GRID, MOST_FACETS, SETTINGS, within};
 use super::{BorderFinish, Recipe, SceneFault, SurfaceKind};
 use crate::cutter::{Cutter, UnmodelledCutter};
+use crate::milling::made::MachiningError;
 use crate::sculpt::milled_facets::{Places, least_diameter};
 use crate::sculpt::tool::Tool;
 
@@ -18,6 +19,7 @@ impl Recipe {
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
         self.check_scene()?;
         self.check_kind()?;
+        self.machining()?;
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
         }
@@ -124,6 +126,29 @@ pub enum RecipeError {
         /// The kind of the relief.
         kind: SurfaceKind,
     },
+    /// A setting of making without a machine.
+    #[error("{setting} is for a plate that a machine makes: name one with --machine, or leave it out")]
+    NoMachine {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+    },
+    /// A machine that is none.
+    #[error("machine: {0}")]
+    Machine(String),
+    /// A machine without a cutter.
+    #[error("machine: say what it cuts with, such as --for-cutter ball:0.5 (--cutter of a plate that is there)")]
+    NoCutter,
+    /// A surface that is too fine for a file.
+    #[error("as-made-stl is for a plate that is polished: give --polish too, or leave it out")]
+    NoPolish,
+    /// A proof that there is not.
+    #[error(
+        "machine: the proof as made is for lamps and walls far away: leave it out, or the flags of lamp and wall nearby"
+    )]
+    MachineNearby,
+    /// What the machine cannot make.
+    #[error(transparent)]
+    Machining(#[from] MachiningError),
     /// A finish of a rim that is not there.
     #[error("border-finish is for a plate with a rim: give --border too, or leave it out")]
     NoBorder,
@@ -244,6 +269,7 @@ impl RecipeError {
     pub fn is_impossible(&self) -> bool {
         match self {
             Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::NoMachine { .. } | Self::Machine(_) | Self::NoCutter | Self::NoPolish | Self::MachineNearby => false,
             Self::Scene(fault) => fault.is_impossible(),
             _ => true,
         }

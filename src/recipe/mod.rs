@@ -8,6 +8,8 @@ mod sections;
 
 mod scene;
 
+mod machining;
+
 mod derived;
 
 pub mod settings;
@@ -25,6 +27,7 @@ pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
 pub use check::RecipeError;
 pub use kind::SurfaceKind;
+pub use machining::{MachiningSettings, PassOrder};
 pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{
     Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Seen, VerifySettings,
@@ -56,6 +59,9 @@ pub struct Recipe {
     pub design: DesignSettings,
     /// How the plate is proved.
     pub verify: VerifySettings,
+    /// How it is made, if a machine is named.
+    #[serde(skip_serializing_if = "is_unmade")]
+    pub machining: MachiningSettings,
 }
 
 impl Recipe {
@@ -71,6 +77,10 @@ impl Recipe {
         recipe.design.distribution = SlopeDistributionSettings { slope_cap: 65.0, level: true };
         recipe
     }
+}
+
+fn is_unmade(machining: &MachiningSettings) -> bool {
+    *machining == MachiningSettings::default()
 }
 
 fn is_far(scene: &SceneSettings) -> bool {

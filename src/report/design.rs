@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{Named, PictureFacts};
@@ -49,10 +50,14 @@ pub struct DesignReport {
     /// Light over the plate as its cutter leaves it, if there is one and light was sent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_milled: Option<MilledFacts>,
+    /// The same of the plate as a machine makes it, if one is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_made: Option<MadeFacts>,
     /// The sheet beside facets, if they were compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_facets: Option<BesideFacets>,
-    /// How the light came out, in a sentence, if any was sent: that of the plate as it is cut, if it has a cutter.
+    /// How the light came out, in a sentence, if any was sent: that of the plate as it is made or cut, if it has a machine or
+    /// a cutter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdict: Option<String>,
     /// What a person should know; empty if nothing is off.

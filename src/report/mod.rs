@@ -6,6 +6,8 @@
 
 pub mod scores;
 
+pub mod made;
+
 pub mod on_wall;
 
 pub mod design;

@@ -3,12 +3,11 @@
 use serde::Serialize;
 
 use super::design::MilledFacts;
+use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
 use super::{MeshFacts, PictureFacts};
 use crate::brdf::material::Material;
-use crate::cutter::Cutter;
-use crate::milling::machine::Machine;
 use crate::recipe::{HighlightSettings, LightSettings};
 
 /// Light over any mesh, scored against a picture.
@@ -52,35 +51,6 @@ pub struct VerifyReport {
     pub verdict: String,
     /// What a person should know; empty if nothing is off.
     pub advice: Vec<String>,
-}
-
-/// Light over a plate as a machine makes it.
-#[derive(Clone, Debug, Serialize)]
-pub struct MadeFacts {
-    /// Its figures, in the first draw of the machine's errors.
-    #[serde(flatten)]
-    pub scores: Scores,
-    /// In each draw, the share of the light that is misplaced or lost at a blur of 1°.
-    pub tv_incident_1deg_by_draw: Vec<f64>,
-    /// The machine.
-    pub machine: Machine,
-    /// The cutter.
-    pub cutter: Cutter,
-    /// From one pass to the next, mm.
-    pub stepover_mm: f64,
-    /// Direction of the passes from +x toward +y, degrees.
-    pub pass_angle_deg: f64,
-    /// Whether every other pass is cut on the way back.
-    pub zigzag: bool,
-    /// Standard deviation of the polish afterwards, mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub polish_mm: Option<f64>,
-    /// Height of the cusps between passes over a level plate, µm.
-    pub cusp_height_um: f64,
-    /// Share of the light within half a degree of where a level plate throws it, less what the drawing has there.
-    pub central_spot: f64,
-    /// Time of the finishing passes, hours.
-    pub finishing_hours: f64,
 }
 
 /// How much light may go astray, and how much does.

@@ -85,15 +85,25 @@ fn a_folder_with_a_cutter_is_milled_again_with_the_designs_own_figures() {
 #[test]
 fn a_plate_is_proved_as_a_machine_makes_it() {
     let home = home();
-    let plate = "--surface continuous --grid 64 --cells 1 --size 6x6 --for-cutter ball:1 --polish 0.02";
-    assert_done(&run_line(home.path(), &format!("design ring.png -o ring --rays 100000 {plate}")));
+    let plate = "--surface continuous --grid 64 --cells 1 --size 6x6 --for-cutter ball:1 --polish 0.02 \
+                 --machine ultraprecision --stepover 0.01 --as-made-stl";
+    let told = run_line(home.path(), &format!("design ring.png -o ring --rays 100000 {plate}"));
+    assert_done(&told);
+    assert!(told.stdout.starts_with("As ultraprecision makes it with ball:1, polished 20 µm, "), "{}", told.stdout);
+    assert!(home.path().join("ring/comparison_made.png").exists() && home.path().join("ring/as-made.stl").exists());
     let made = |flags: &str| {
         let done = run_line(home.path(), &format!("verify ring --rays 100000 --json {flags}"));
         assert_done(&done);
         serde_json::from_str::<Value>(&done.stdout).unwrap()
     };
     // Passes as close as this, and a machine as good, come near what is milled without steps; coarser ones do not.
-    let fine = made("--machine ultraprecision --stepover 0.01 -o fine --as-made-stl");
+    let fine = made("-o fine");
+    assert_eq!(
+        fine["as_made"],
+        json(home.path().join("ring/report.json"))["as_made"],
+        "the recipe says how it is made"
+    );
+    assert_eq!(made("--machine none").get("as_made"), None);
     let coarse = made("--machine desktop --stepover 0.05 --polish 0");
     let [milled, near, far] = [tv(&fine, "as_milled"), tv(&fine, "as_made"), tv(&coarse, "as_made")];
     assert!((near - milled).abs() < 0.004 && far > near + 0.05, "{milled} {near} {far}");
@@ -128,10 +138,12 @@ fn what_cannot_be_made_is_told_before_it_is_tried() {
         ("--machine lathe", 2, ["lathe", "desktop"]),
         ("--machine vmc", 2, ["--cutter", "ball:0.5"]),
         ("--machine vmc --cutter drill:3", 2, ["drill:3", "bull:"]),
-        ("--cutter ball:1", 2, ["--machine", "required"]),
+        ("--cutter ball:1", 2, ["--cutter", "--machine"]),
+        ("--stepover 0.1", 2, ["--stepover", "--machine"]),
+        ("--machine vmc --cutter ball:1 --polish 0.02 --as-made-stl", 2, ["--as-made-stl", "-o"]),
         ("--machine mine.toml --cutter ball:1", 3, ["mine.toml", "missing field"]),
         ("--machine vmc --cutter ball:1 --stepover 0.6", 4, ["--stepover", "0.5"]),
-        ("--machine vmc --cutter ball:1 --stepover nan", 4, ["--stepover", "0.5"]),
+        ("--machine vmc --cutter ball:1 --stepover nan", 2, ["stepover", "0.0005"]),
         ("--machine vmc --cutter ball:90", 4, ["ball:90", "smaller"]),
         ("--machine vmc --cutter ball:1 --polish 3", 4, ["--polish", "twentieth"]),
         ("--machine ultraprecision --cutter ball:1 --stepover 0.0005 --memory 200M", 4, ["as made", "--stepover"]),

@@ -16,7 +16,7 @@ use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
 use crate::stages::Stages;
-use crate::{inputs, tables};
+use crate::{inputs, machining, tables};
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
@@ -113,6 +113,7 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
         (None, _) => args.base(),
     };
     args.apply(&mut recipe);
+    machining::named(&args.machine, &mut recipe)?;
     if let Some(file) = &args.scene {
         recipe.scene.room = Some(inputs::room(file)?);
     }

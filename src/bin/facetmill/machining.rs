@@ -3,52 +3,53 @@
 use std::path::Path;
 
 use facetmill::glam::DVec2;
-use facetmill::job::findings::MadeProof;
-use facetmill::job::made::prove_as_made;
+use facetmill::job::findings::{MadeProof, Proof};
+use facetmill::job::made::{Seen, prove_as_made};
 use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::{Machine, PRESETS};
 use facetmill::milling::made::Machining;
-use facetmill::milling::passes::Passes;
 use facetmill::progress::Progress;
-use facetmill::raster::Raster;
-use facetmill::recipe::Recipe;
+use facetmill::recipe::{MachiningSettings, Recipe};
 use facetmill::setup::Setup;
 use facetmill::verify::measure::Mirrored;
 
-use crate::args::MachiningArgs;
+use crate::args::{MachineArgs, MachiningArgs};
 use crate::console::Failure;
 use crate::inputs;
 use crate::plates::Opened;
 
-/// Passes so many standard deviations of the polish apart leave nothing of their cusps.
-const CUSPS_GONE: f64 = 2.0;
+/// What a machine is named that is none.
+const NONE: &str = "none";
 
-/// Of a cutter that is not polished after, the passes for each diameter: cusps then cost about as much as a good machine.
-const PASSES_A_DIAMETER: f64 = 50.0;
+/// Lays the machine that `args` name over `recipe`.
+pub fn named(args: &MachineArgs, recipe: &mut Recipe) -> Result<(), Failure> {
+    match args.machine.as_deref() {
+        None => {}
+        Some(NONE) => recipe.machining = MachiningSettings::default(),
+        Some(name) => recipe.machining.machine = Some(machine(name)?),
+    }
+    Ok(())
+}
 
-/// What `args` ask for, if they name a machine.
-pub fn of(args: &MachiningArgs, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
-    let Some(name) = &args.machine else { return Ok(None) };
-    if recipe.is_near() {
+/// What `args` and the `settings` of making ask for, for the plate of `recipe`, if a machine is named.
+pub fn of(args: &MachiningArgs, settings: &MachiningSettings, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
+    let sheet = &recipe.design.sheet;
+    let (cutter, polish) = (args.cutter.or(sheet.cutter), args.polish.or(sheet.polish));
+    let usage = |error| Failure::Usage(format!("--{error}"));
+    let machining = settings.machining(cutter, polish, recipe.design.seed).map_err(usage)?;
+    let alone = if args.cutter.is_some() { "--cutter" } else { "--polish" };
+    if machining.is_none() && (args.cutter.is_some() || args.polish.is_some()) {
+        return Err(Failure::Usage(format!(
+            "{alone} is for a plate that a machine makes: name one with --machine too"
+        )));
+    }
+    if machining.is_some() && recipe.is_near() {
         return Err(Failure::Usage(
-            "--machine: the proof as made is for lamps and walls far away; leave the scene's flags out".into(),
+            "--machine: the proof as made is for lamps and walls far away; leave the scene's flags out, or take --machine none"
+                .into(),
         ));
     }
-    let machine = machine(name)?;
-    let cutter = args.cutter.or(recipe.design.sheet.cutter).ok_or_else(|| {
-        Failure::Usage("--machine: say with --cutter what it cuts with, such as ball:0.5; the recipe names none".into())
-    })?;
-    let polish = args.polish.or(recipe.design.sheet.polish).filter(|polish| *polish != 0.0);
-    let usual = match polish {
-        Some(sigma) => (CUSPS_GONE * sigma).min(0.5 * cutter.reach()),
-        None => cutter.tip_diameter() / PASSES_A_DIAMETER,
-    };
-    let angle = args.pass_angle.unwrap_or(0.0);
-    if !(-360.0..=360.0).contains(&angle) {
-        return Err(Failure::Usage(format!("--pass-angle is {angle}: it must be from -360 to 360")));
-    }
-    let passes = Passes { angle: angle.to_radians(), stepover: args.stepover.unwrap_or(usual), zigzag: args.zigzag };
-    Ok(Some(Machining { machine, cutter, passes, polish, seed: recipe.design.seed }))
+    Ok(machining)
 }
 
 /// A preset, or what a file says.
@@ -59,7 +60,7 @@ fn machine(name: &str) -> Result<Machine, Failure> {
     let path = Path::new(name);
     if !path.exists() {
         let presets = PRESETS.join(", ");
-        return Err(Failure::Usage(format!("--machine: '{name}' is neither a file nor one of {presets}")));
+        return Err(Failure::Usage(format!("--machine: '{name}' is neither a file nor one of {presets}, {NONE}")));
     }
     inputs::machine(path)
 }
@@ -76,30 +77,26 @@ pub struct Task {
 
 impl Task {
     /// Refuses, before any work, a plate of `plate` mm that cannot be made so.
-    pub fn new(machining: Machining, draws: u64, plate: DVec2, limit: MemoryLimit) -> Result<Self, Failure> {
+    pub fn new(machining: Machining, draws: Option<u64>, plate: DVec2, limit: MemoryLimit) -> Result<Self, Failure> {
         machining.check(plate).map_err(|error| Failure::Impossible(error.to_string()))?;
         let remedy = "take a wider --stepover or --polish, or a smaller plate";
         limit.admit(Need::new(machining.bytes(plate), "the surface as made", remedy))?;
-        Ok(Self { machining, draws, plate })
+        Ok(Self { machining, draws: draws.unwrap_or(1), plate })
     }
 
-    /// Light over the opened plate, whose rim of `margin` mm is no optical area, as it is made.
+    /// Light over the opened plate, whose rim of `margin` mm is no optical area, as it is made; `proof` has its target and
+    /// the light of that rim.
     pub fn done(
         &self,
         (recipe, opened, margin): (&Recipe, &Opened, f64),
-        (target, setup): (&Raster, &Setup),
+        (proof, setup): (&Proof, &Setup),
         progress: &Progress,
     ) -> Result<MadeProof, Failure> {
         let metal = recipe.metal();
         let measuring = recipe.measuring();
         let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
         let blur = recipe.blur(setup);
-        Ok(prove_as_made(
-            &self.machining,
-            (&opened.mesh, self.plate, margin),
-            (target, blur.as_ref()),
-            self.draws,
-            mirrored,
-        )?)
+        let seen = Seen { target: &proof.target, blur: blur.as_ref(), rim: proof.rim.as_ref() };
+        Ok(prove_as_made(&self.machining, (&opened.mesh, self.plate, margin), seen, self.draws, mirrored)?)
     }
 }

@@ -7,6 +7,7 @@ use facetmill::memory::said;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
+use facetmill::report::made::MadeFacts;
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
@@ -41,16 +42,23 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
         told("plate", format!("{width} × {height} mm of {made_of}, relief {relief_height_mm:.3} mm")),
         told("stock", format!("{stock:.2} mm thick{mounted}")),
     ];
-    let milled = report.as_milled.as_ref().map(|milled| &milled.scores);
-    rows.extend(milled.or(report.designed.as_ref()).map(light));
+    let milled = report.as_milled.as_ref().map(|milled| (&milled.scores, "comparison_milled.png"));
+    let made = report.as_made.as_ref().map(|made| (&made.scores, "comparison_made.png"));
+    let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
+    rows.extend(scored.map(|(scores, _)| light(scores)));
+    rows.extend(report.as_made.as_ref().map(|made| made_in_short(made)));
     rows.push(told("file", file(folder, report)));
-    let picture = match (milled, &report.designed) {
-        (Some(_), _) => "comparison_milled.png",
-        (None, Some(_)) => "comparison.png",
-        (None, None) => "relief.png",
-    };
+    let picture = scored.map_or("relief.png", |(_, picture)| picture);
     rows.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(picture)))));
     rows
+}
+
+/// How it is made.
+fn made_in_short(made: &MadeFacts) -> Row {
+    let MadeFacts { machine, cutter, stepover_mm, finishing_hours, .. } = made;
+    let polish = made.polish_mm.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+    let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart", machine.name);
+    told("made", format!("by {passes}, {finishing_hours:.1} h at {} mm/min; {polish}", machine.feed))
 }
 
 /// The plate's file and its size.
@@ -138,6 +146,7 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         let likeness = format!("likeness {:.3}", Scores::main(&scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&scores.tv_incident)), likeness));
     }
+    table.extend(report.as_made.iter().flat_map(made));
     if let Some(beside) = &report.beside_facets {
         let ([across, up], tv) = (beside.facets, beside.tv_incident_1deg);
         let (other, misplaced, what) = match report.design.continuous {
@@ -307,26 +316,31 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));
     }
-    if let Some(made) = &report.as_made {
-        let likeness = format!("likeness {:.3}", Scores::main(&made.scores.ssim));
-        table.push(row("misplaced as made", percent(Scores::main(&made.scores.tv_incident)), likeness));
-        if let [_, .., last] = made.tv_incident_1deg_by_draw.as_slice() {
-            let draws = &made.tv_incident_1deg_by_draw;
-            let [low, high] = draws.iter().fold([*last; 2], |[low, high], v| [low.min(*v), high.max(*v)]);
-            let from = format!("{} to {}", percent(low), percent(high));
-            table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
-        }
-        let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
-        table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
-        table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
-        let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
-        table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
-    }
+    table.extend(report.as_made.iter().flat_map(made));
     if let Some(allowed) = &report.at_most {
         let kept = if allowed.kept { "kept" } else { "not kept" };
         let limit = format!("at most {} at a blur of {}°: {kept}", percent(allowed.share), allowed.blur_deg);
         table.push(row("allowed", percent(allowed.tv_incident), limit));
     }
+    table
+}
+
+/// A plate as a machine makes it.
+fn made(made: &MadeFacts) -> Vec<Row> {
+    let mut table = Vec::new();
+    let likeness = format!("likeness {:.3}", Scores::main(&made.scores.ssim));
+    table.push(row("misplaced as made", percent(Scores::main(&made.scores.tv_incident)), likeness));
+    if let [_, .., last] = made.tv_incident_1deg_by_draw.as_slice() {
+        let draws = &made.tv_incident_1deg_by_draw;
+        let [low, high] = draws.iter().fold([*last; 2], |[low, high], v| [low.min(*v), high.max(*v)]);
+        let from = format!("{} to {}", percent(low), percent(high));
+        table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
+    }
+    let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
+    table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
+    table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
+    let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
+    table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
     table
 }
 

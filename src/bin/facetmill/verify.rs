@@ -51,10 +51,19 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
     recipe.name_picture(&path);
+    machining::named(&args.machining.by, &mut recipe)?;
+    // Its cutter need not be the recipe's: what is wrong with it is told by itself.
+    let making = std::mem::take(&mut recipe.machining);
     let mut recipe = in_its_scene(args, recipe)?;
     // A pose that cannot be is told before anything is read.
     mounted(recipe.setup(), args.mount)?;
-    let machining = machining::of(&args.machining, &recipe)?;
+    if args.settings.has("as-made-stl") && args.output.is_none() {
+        return Err(Failure::Usage("--as-made-stl needs a folder to write into: name one with -o".into()));
+    }
+    let machining = machining::of(&args.machining, &making, &recipe)?;
+    if args.settings.has("as-made-stl") && machining.as_ref().is_some_and(|machining| machining.polish.is_none()) {
+        return Err(Failure::Usage("--as-made-stl is for a plate that is polished: give --polish too".into()));
+    }
     let read = inputs::given([Some(&args.plate), Some(&path)])?;
     let mut staged = match &args.output {
         None => None,
@@ -74,9 +83,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let margin = args.margin.unwrap_or(border);
     let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
     let plate = opened.size.truncate() - 2.0 * margin;
-    let task =
-        machining.map(|machining| machining::Task::new(machining, args.machining.draws.unwrap_or(1), plate, limit));
-    let task = task.transpose()?;
+    let task = machining.map(|machining| machining::Task::new(machining, making.draws, plate, limit)).transpose()?;
     let picture = inputs::picture(&path, &recipe.reading(), limit)?;
     recipe.note_drawing(picture.original_size);
     let setup = match (args.mount, mount) {
@@ -85,12 +92,12 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     };
     let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
     if let Some(task) = task {
-        proof.made = Some(task.done((&recipe, &opened, margin), (&proof.target, &setup), &progress)?);
+        proof.made = Some(task.done((&recipe, &opened, margin), (&proof, &setup), &progress)?);
     }
     progress.stage(Stage::Files);
     let report = report(args, &recipe, &opened, &proof, (&picture, &path, &setup, margin));
     if let Some(staged) = &mut staged {
-        let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| args.machining.as_made_stl);
+        let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| making.as_made_stl);
         write(staged, &proof, &recipe, &opened, (&report, &setup), (surface, &progress))?;
     }
     if let Some(staged) = staged {
@@ -294,12 +301,8 @@ fn proof(
 /// How the light came out: of the plate as it is cut, if that is known.
 fn one_sentence(args: &VerifyArgs, recipe: &Recipe, proof: &Proof) -> String {
     let name = plates::name(&args.plate);
-    if let Some(MadeProof { machining, verdict, .. }) = &proof.made {
-        let polish = machining.polish.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
-        return in_a_sentence(
-            verdict,
-            &format!("On {name} made by {} with {}, {polish}", machining.machine.name, machining.cutter),
-        );
+    if let Some(made) = &proof.made {
+        return in_a_sentence(&made.verdict, &format!("On {name} as {}", made.how()));
     }
     match (&proof.milled, recipe.design.sheet.cutter) {
         (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("On {name} cut by {cutter}")),

@@ -7,6 +7,7 @@ pub mod value;
 
 mod table;
 
+mod machining;
 mod running;
 mod scene;
 
@@ -21,10 +22,12 @@ use super::{Recipe, RecipeError, SurfaceKind};
 /// Every setting but the picture itself, in the order of the help.
 pub static SETTINGS: &[Setting] = &joined();
 
-const PARTS: [&[Setting]; 3] = [table::GENERAL, running::RUNNING, &scene::SCENE];
+const PARTS: [&[Setting]; 4] = [table::GENERAL, running::RUNNING, &scene::SCENE, &machining::MAKING];
 
-const fn joined() -> [Setting; PARTS[0].len() + PARTS[1].len() + PARTS[2].len()] {
-    let mut all = [table::PLAIN; PARTS[0].len() + PARTS[1].len() + PARTS[2].len()];
+const COUNT: usize = PARTS[0].len() + PARTS[1].len() + PARTS[2].len() + PARTS[3].len();
+
+const fn joined() -> [Setting; COUNT] {
+    let mut all = [table::PLAIN; COUNT];
     let (mut k, mut part) = (0, 0);
     while part < PARTS.len() {
         let mut of_part = 0;
@@ -81,6 +84,8 @@ pub enum Section {
     Plate,
     /// How the relief comes about.
     Design,
+    /// How it is made.
+    Machining,
     /// How it is proved.
     Running,
 }
@@ -93,6 +98,7 @@ impl Section {
             Self::Scene => "Lamp and wall nearby",
             Self::Plate => "Plate",
             Self::Design => "Design",
+            Self::Machining => "As a machine makes it",
             Self::Running => "Running",
         }
     }
@@ -176,6 +182,11 @@ impl Setting {
     /// What `recipe` says, written as on the command line; `None` if it says nothing.
     pub fn written(&self, recipe: &Recipe) -> Option<String> {
         (self.at)(&mut recipe.clone()).written()
+    }
+
+    /// Whether `recipe` says something else of it than every recipe does.
+    pub(super) fn is_given(&self, recipe: &Recipe) -> bool {
+        self.written(recipe) != self.written(&Recipe::default())
     }
 
     /// What is taken where it is not given, in words; empty if that goes without saying.

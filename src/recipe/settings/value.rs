@@ -11,11 +11,14 @@ use crate::cutter::Cutter;
 use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
 use crate::highlight::Quantity;
+use crate::milling::machine::Machine;
 use crate::picture::{Encoding, PictureFit};
 use crate::projection::Projection;
 use crate::scene::room::Room;
 
-use super::super::{Arrangement, BorderFinish, Cells, Heights, LightSettings, NearMethod, Seen, SurfaceKind};
+use super::super::{
+    Arrangement, BorderFinish, Cells, Heights, LightSettings, NearMethod, PassOrder, Seen, SurfaceKind,
+};
 
 /// A number with or without a fraction.
 pub fn number(text: &str) -> Result<f64, String> {
@@ -236,7 +239,7 @@ macro_rules! tables {
             }
 
             fn written(&self) -> Option<String> {
-                self.map(|_| "as the recipe says".into())
+                self.as_ref().map(|_| "as the recipe says".into())
             }
 
             fn clear(&mut self) {
@@ -246,7 +249,7 @@ macro_rules! tables {
     )+};
 }
 
-tables!(Annealing, Room);
+tables!(Annealing, Machine, Room);
 
 /// Words, spelled as in a recipe.
 macro_rules! words {
@@ -284,7 +287,7 @@ macro_rules! optional_words {
     )+};
 }
 
-optional_words!(Heights, NearMethod, SurfaceKind);
+optional_words!(Heights, NearMethod, PassOrder, SurfaceKind);
 
 fn read_word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(text.into_deserializer()).map_err(|error: Error| error.to_string())

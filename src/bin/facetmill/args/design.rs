@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use facetmill::recipe::{Recipe, SurfaceKind};
 
-use super::RunningArgs;
 use super::settings::{ByDesign, SettingFlags};
+use super::{MachineArgs, RunningArgs};
 use crate::values::MethodArg;
 
 #[derive(Debug, Args)]
@@ -38,6 +38,8 @@ pub struct DesignArgs {
     #[arg(long, value_name = "FILE", help_heading = "Lamp and wall nearby", conflicts_with_all = ["light", "light-radius", "half-field"])]
     pub scene: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub machine: MachineArgs,
     #[command(flatten)]
     pub running: RunningArgs,
     /// Keep a picture of the highlight after each step of a sheet, and the state to go on from

@@ -136,40 +136,34 @@ pub struct VerifyArgs {
     pub running: RunningArgs,
 }
 
-/// How the plate is made.
+/// By what the plate is made.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "As a machine makes it")]
-pub struct MachiningArgs {
+pub struct MachineArgs {
     /// Prove the plate as a machine makes it too: desktop, desktop-good, vmc, vmc-good, ultraprecision, or a TOML file
     ///
     /// The cutter is led over the triangles of the file pass by pass, with the machine's steps, rounding, play and scatter;
     /// what it leaves is polished, lit and scored (as_made, comparison_made.png). What the presets assume stands in
-    /// docs/milling.md. A TOML file has the same keys.
+    /// docs/milling.md. A TOML file has the same keys, and its values are kept in recipe.toml. none: not so, whatever a
+    /// recipe says.
     #[arg(long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
+}
+
+/// What a plate that is there is made with, where that is not what its recipe says.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "As a machine makes it")]
+pub struct MachiningArgs {
+    #[command(flatten)]
+    pub by: MachineArgs,
     /// The cutter: ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
-    #[arg(long, value_name = "CUTTER", requires = "machine")]
+    #[arg(long, value_name = "CUTTER")]
     pub cutter: Option<Cutter>,
-    /// From one pass to the next, mm  [default: what the polish takes away, else a fiftieth of the cutter]
-    #[arg(long, value_name = "MM", requires = "machine", value_parser = crate::values::number)]
-    pub stepover: Option<f64>,
-    /// Direction of the passes, degrees from +x toward +y  [default: 0]
-    #[arg(long, value_name = "DEG", requires = "machine", allow_hyphen_values = true, value_parser = crate::values::number)]
-    pub pass_angle: Option<f64>,
-    /// Cut every other pass on the way back: a quarter faster, and as rough as the machine's play
-    #[arg(long, requires = "machine")]
-    pub zigzag: bool,
     /// Polish afterwards, mm: the standard deviation of the Gaussian that smooths heights  [default: the recipe's]
     ///
     /// 0 is none.
-    #[arg(long, value_name = "MM", requires = "machine", value_parser = crate::values::number)]
+    #[arg(long, value_name = "MM", value_parser = crate::values::number)]
     pub polish: Option<f64>,
-    /// Plates made, each with other random errors of the machine; the first is shown  [default: 1]
-    #[arg(long, value_name = "N", requires = "machine", value_parser = clap::value_parser!(u64).range(1..=100))]
-    pub draws: Option<u64>,
-    /// Write the surface as made to as-made.stl in the folder of --output: closed, of nodes half the polish apart
-    #[arg(long, requires = "machine", requires = "output")]
-    pub as_made_stl: bool,
 }
 
 /// How a mesh from elsewhere is to be laid down.

@@ -35,7 +35,8 @@ pub struct ByVerify;
 impl Takes for ByVerify {
     fn takes(setting: &Setting) -> bool {
         let of_scene = setting.section == Section::Scene && !["near", "focus"].contains(&setting.name);
-        setting.section == Section::Optics || of_scene || ["rays", "seed", "eye-distance"].contains(&setting.name)
+        let whole = [Section::Optics, Section::Machining].contains(&setting.section);
+        whole || of_scene || ["rays", "seed", "eye-distance"].contains(&setting.name)
     }
 
     fn shown(setting: &Setting, flag: Arg) -> Arg {

@@ -1,0 +1,78 @@
+//! The settings of making, a part of the table.
+
+use super::Form::{Switch, Switches, Table, Text};
+use super::table::PLAIN;
+use super::{Section, Setting, Unit, Word};
+use crate::milling::made::LEAST_STEPOVER;
+
+const MACHINING: Setting = Setting { section: Section::Machining, ..PLAIN };
+
+/// Machine and passes.
+pub(super) const MAKING: [Setting; 6] = [
+    Setting {
+        name: "machine",
+        key: "machining.machine",
+        form: Table,
+        help: "The machine that makes the plate: a name, or a table of its values",
+        at: |recipe| &mut recipe.machining.machine,
+        ..MACHINING
+    },
+    Setting {
+        name: "stepover",
+        key: "machining.stepover",
+        form: Text("MM"),
+        unit: Unit::Millimetres,
+        ranges: &[[LEAST_STEPOVER, 50.0]],
+        unset: "what the polish takes away, else a fiftieth of the cutter",
+        help: "From one pass to the next, mm",
+        more: "Twice the polish leaves nothing of the cusps between passes; without polish passes w apart with a ball of \
+               radius R spread slopes by w/2R either way, and light by twice that.",
+        at: |recipe| &mut recipe.machining.stepover,
+        ..MACHINING
+    },
+    Setting {
+        name: "pass-angle",
+        key: "machining.pass-angle",
+        form: Text("DEG"),
+        unit: Unit::Degrees,
+        ranges: &[[-360.0, 360.0]],
+        unset: "0",
+        help: "Direction of the passes, degrees from +x toward +y",
+        at: |recipe| &mut recipe.machining.pass_angle,
+        ..MACHINING
+    },
+    Setting {
+        name: "pass-order",
+        key: "machining.pass-order",
+        form: Switches(&[
+            Word { word: "one-way", before: None, help: "Cut all passes from the same side  [default]" },
+            Word {
+                word: "zigzag",
+                before: None,
+                help: "Cut every other pass on the way back: a quarter faster, and as rough as the machine's play",
+            },
+        ]),
+        unset: "one-way",
+        help: "Which way passes are cut",
+        at: |recipe| &mut recipe.machining.pass_order,
+        ..MACHINING
+    },
+    Setting {
+        name: "draws",
+        key: "machining.draws",
+        form: Text("N"),
+        ranges: &[[1.0, 100.0]],
+        unset: "1",
+        help: "Plates that are proved, each with other random errors of the machine; the first is shown",
+        at: |recipe| &mut recipe.machining.draws,
+        ..MACHINING
+    },
+    Setting {
+        name: "as-made-stl",
+        key: "machining.as-made-stl",
+        form: Switch,
+        help: "Write the surface as made and polished to as-made.stl too, closed, its nodes half the polish apart",
+        at: |recipe| &mut recipe.machining.as_made_stl,
+        ..MACHINING
+    },
+];
