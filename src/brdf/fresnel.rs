@@ -39,6 +39,12 @@ pub fn dielectric(cosine: f64, eta: f64) -> f64 {
     0.5 * (across * across + along * along)
 }
 
+/// Schlick's approximation of both ("An inexpensive BRDF model for physically-based rendering", 1994): F0 straight on, and
+/// the rest of 1 times (1 − cosine)⁵. Any number is taken as a cosine in [0, 1].
+pub fn schlick(cosine: f64, straight_on: f64) -> f64 {
+    straight_on + (1.0 - straight_on) * (1.0 - within_unit(cosine)).powi(5)
+}
+
 /// NaN counts as grazing.
 fn within_unit(cosine: f64) -> f64 {
     if cosine > 0.0 { cosine.min(1.0) } else { 0.0 }
@@ -101,6 +107,15 @@ mod tests {
             let s = ((cosine - a).powi(2) + b * b) / ((cosine + a).powi(2) + b * b);
             assert!((conductor(cosine, eta, k) - 0.5 * (s + s * s)).abs() < 1e-6, "{eta} {k}");
         }
+    }
+
+    #[test]
+    fn schlick_is_near_a_dielectric() {
+        for step in 0..=100 {
+            let cosine = f64::from(step) / 100.0;
+            assert!((schlick(cosine, 0.04) - dielectric(cosine, 1.5)).abs() < 0.04, "{cosine}");
+        }
+        assert_eq!((schlick(0.0, 0.04), schlick(1.0, 0.04)), (1.0, 0.04));
     }
 
     #[test]

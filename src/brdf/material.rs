@@ -13,10 +13,12 @@ use super::coat::Coat;
 use super::fresnel;
 use super::metals::Metal;
 use super::microfacet::Lobe;
+use super::model::Model;
+use super::model::named::{Named, NamedError};
 use crate::slope::{flat_mirror, mirror};
 
 /// What reflects.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Substance {
     /// Reflects everything at every angle.
@@ -47,6 +49,8 @@ pub enum Substance {
         /// Share of light reflected, 0 to 1.
         albedo: f64,
     },
+    /// An analytic BRDF by name, which has its own finish.
+    Model(Named),
 }
 
 impl Substance {
@@ -71,6 +75,7 @@ impl Substance {
         };
         match *self {
             Self::Mirror => Ok(()),
+            Self::Model(ref model) => Ok(model.keep_energy()?),
             Self::Metal(_, wavelength) => within("wavelength in nm", wavelength, Metal::WAVELENGTHS),
             Self::Conductor { eta, k } => within("index of refraction", eta, Self::INDEX)
                 .and_then(|()| within("absorption k", k, Self::ABSORPTION)),
@@ -87,8 +92,8 @@ impl Substance {
 /// A substance and its finish: smooth, or rough as a [`Lobe`] says. Values are checked when it is made.
 ///
 /// In flags and recipes it is a string: `mirror`, `aluminium`, `brass:ggx:0.2`, `gold@650:beckmann:0.1,0.3`, `acrylic`,
-/// `dielectric:1.6`, `conductor:1.2,6.9:ggx:0.1`, `paint:0.8`, `paint:0.8,1.6:ggx:0.3`, `diffuse:0.5`. Parsing and
-/// [`Display`](fmt::Display) are inverse.
+/// `dielectric:1.6`, `conductor:1.2,6.9:ggx:0.1`, `paint:0.8`, `paint:0.8,1.6:ggx:0.3`, `diffuse:0.5`, and every
+/// [model by name](Named), as `ward:0.1,0.3:0.8`. Parsing and [`Display`](fmt::Display) are inverse.
 ///
 /// ```
 /// use facetmill::brdf::material::Material;
@@ -116,6 +121,7 @@ enum Reflection {
     Dielectric { eta: f64 },
     Coated { eta: f64, coat: Arc<Coat> },
     Diffuse { albedo: f64 },
+    Model(Named),
 }
 
 impl Material {
@@ -128,29 +134,31 @@ impl Material {
     /// When a value is out of its range, or a lobe is given to [`Substance::Diffuse`], which has no mirror facets.
     pub fn new(substance: Substance, lobe: Option<Lobe>) -> Result<Self, MaterialError> {
         substance.check()?;
-        let reflection = match substance {
+        let reflection = match &substance {
+            Substance::Model(_) if lobe.is_some() => return Err(MaterialError::RoughModel),
+            Substance::Model(model) => Reflection::Model(model.clone()),
             Substance::Mirror => Reflection::Full,
-            Substance::Metal(metal, wavelength) => {
+            &Substance::Metal(metal, wavelength) => {
                 let (eta, k) = metal.at(wavelength);
                 Reflection::Conductor { eta, k }
             }
-            Substance::Conductor { eta, k } => Reflection::Conductor { eta, k },
-            Substance::Dielectric { eta } => Reflection::Dielectric { eta },
-            Substance::Paint { albedo, eta } => {
+            &Substance::Conductor { eta, k } => Reflection::Conductor { eta, k },
+            &Substance::Dielectric { eta } => Reflection::Dielectric { eta },
+            &Substance::Paint { albedo, eta } => {
                 Reflection::Coated { eta, coat: Arc::new(Coat::new(albedo, eta, lobe.as_ref())) }
             }
             Substance::Diffuse { .. } if lobe.is_some() => return Err(MaterialError::RoughDiffuse),
-            Substance::Diffuse { albedo } => Reflection::Diffuse { albedo },
+            &Substance::Diffuse { albedo } => Reflection::Diffuse { albedo },
         };
         Ok(Self { substance, lobe, reflection })
     }
 
     /// What reflects.
-    pub const fn substance(&self) -> Substance {
-        self.substance
+    pub const fn substance(&self) -> &Substance {
+        &self.substance
     }
 
-    /// The finish; `None` is smooth (or, for [`Substance::Diffuse`], even scattering).
+    /// The finish; `None` is smooth (or, for [`Substance::Diffuse`] and [`Substance::Model`], as those scatter).
     pub const fn lobe(&self) -> Option<&Lobe> {
         self.lobe.as_ref()
     }
@@ -162,7 +170,8 @@ impl Material {
 
     /// Whether all that it returns leaves in the mirror direction exactly, and no random number is looked at.
     pub const fn is_smooth(&self) -> bool {
-        let scatters = matches!(self.reflection, Reflection::Coated { .. } | Reflection::Diffuse { .. });
+        let scatters =
+            matches!(self.reflection, Reflection::Coated { .. } | Reflection::Diffuse { .. } | Reflection::Model(_));
         self.lobe.is_none() && !scatters
     }
 
@@ -172,7 +181,7 @@ impl Material {
             Reflection::Full => 1.0,
             Reflection::Conductor { eta, k } => fresnel::conductor(cosine, eta, k),
             Reflection::Dielectric { eta } | Reflection::Coated { eta, .. } => fresnel::dielectric(cosine, eta),
-            Reflection::Diffuse { .. } => 0.0,
+            Reflection::Diffuse { .. } | Reflection::Model(_) => 0.0,
         }
     }
 
@@ -195,6 +204,7 @@ impl Material {
             + match &self.reflection {
                 Reflection::Coated { coat, .. } => coat.eval(wi, wo),
                 Reflection::Diffuse { albedo } => albedo / PI * wo.z,
+                Reflection::Model(model) => model.value(wi, wo) * wo.z,
                 Reflection::Full | Reflection::Conductor { .. } | Reflection::Dielectric { .. } => 0.0,
             }
     }
@@ -204,6 +214,9 @@ impl Material {
     pub fn pdf(&self, wi: DVec3, wo: DVec3) -> f64 {
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return 0.0;
+        }
+        if let Reflection::Model(model) = &self.reflection {
+            return model.density(wi, wo);
         }
         let facets = self.facet_chance(wi);
         let rough = self.lobe.as_ref().map_or(0.0, |lobe| facets * lobe.reflected_pdf(wi, wo));
@@ -218,7 +231,10 @@ impl Material {
             return None;
         }
         let facets = self.facet_chance(wi);
-        let (wo, weight) = if u[2] < facets {
+        let (wo, weight) = if let Reflection::Model(model) = &self.reflection {
+            let wo = model.sample(wi, u);
+            (wo, self.ratio(wi, wo))
+        } else if u[2] < facets {
             match &self.lobe {
                 None => (flat_mirror(wi), self.facet_share(wi.z) / facets),
                 Some(lobe) => {
@@ -249,7 +265,7 @@ impl Material {
     fn facet_chance(&self, wi: DVec3) -> f64 {
         match &self.reflection {
             Reflection::Full | Reflection::Conductor { .. } | Reflection::Dielectric { .. } => 1.0,
-            Reflection::Diffuse { .. } => 0.0,
+            Reflection::Diffuse { .. } | Reflection::Model(_) => 0.0,
             Reflection::Coated { coat, .. } => {
                 let (mirrored, diffused) = (1.0 - coat.entered(wi), coat.returned(wi));
                 if diffused > 0.0 { (mirrored / (mirrored + diffused)).clamp(0.0, 1.0) } else { 1.0 }
@@ -318,6 +334,12 @@ pub enum MaterialError {
     /// Diffuse with a lobe.
     #[error("diffuse has no mirror facets to roughen; use paint:ALBEDO:ggx:ALPHA for a lobe over a diffuse base")]
     RoughDiffuse,
+    /// A model by name with a lobe.
+    #[error("a model such as ward:0.1,0.3 has its own lobe: leave out the second")]
+    RoughModel,
+    /// No model of that name with these numbers.
+    #[error(transparent)]
+    Model(#[from] NamedError),
 }
 
 #[cfg(test)]

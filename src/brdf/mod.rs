@@ -7,7 +7,8 @@
 //! 1. [`fresnel`] is the mirror share of a smooth face.
 //! 2. [`metals`] has measured indices of refraction.
 //! 3. [`microfacet`] is the rough lobe of faces too small to be traced.
-//! 4. [`material`] puts them together; its textual form, as `brass:ggx:0.2`, is in flags, recipes and reports.
+//! 4. [`model`] is the shelf of analytic BRDFs by name, from Lambert to a painted density of normals.
+//! 5. [`material`] puts them together; its textual form, as `brass:ggx:0.2`, is in flags, recipes and reports.
 //!
 //! What is not simulated: polarisation between bounces, diffraction and interference, light that travels under the
 //! surface before it leaves, and second bounces between the facets of one rough lobe (their light is lost: GGX of
@@ -22,6 +23,8 @@ mod erf;
 pub mod microfacet;
 
 mod coat;
+
+pub mod model;
 
 pub mod material;
 

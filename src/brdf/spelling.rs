@@ -6,6 +6,7 @@ use std::str::{FromStr, Split};
 use super::material::{Material, MaterialError, Substance};
 use super::metals::Metal;
 use super::microfacet::{Lobe, MicrofacetDistribution};
+use super::model::named::{Named, names};
 
 impl Material {
     /// What a material may be written as, for help texts and error messages.
@@ -13,8 +14,9 @@ impl Material {
         let metals: Vec<_> = Metal::ALL.into_iter().map(Metal::name).collect();
         format!(
             "mirror, {}, acrylic, dielectric:ETA, conductor:ETA,K, paint:ALBEDO, diffuse:ALBEDO, \
-             each but the last also with :ggx:ALPHA or :beckmann:ALPHA",
-            metals.join(", ")
+             each but the last also with :ggx:ALPHA or :beckmann:ALPHA; and the models {}",
+            metals.join(", "),
+            names()
         )
     }
 }
@@ -23,6 +25,9 @@ impl FromStr for Material {
     type Err = MaterialError;
 
     fn from_str(text: &str) -> Result<Self, MaterialError> {
+        if Named::begins(text) || text.contains('+') {
+            return Self::new(Substance::Model(text.parse()?), None);
+        }
         let mut parts = text.trim().split(':');
         let substance = substance(&mut parts)?;
         let lobe = parts.next().map(|law| lobe(law, parts.next())).transpose()?;
@@ -99,7 +104,8 @@ fn number(text: &str) -> Result<f64, MaterialError> {
 
 impl fmt::Display for Material {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.substance() {
+        match *self.substance() {
+            Substance::Model(ref model) => write!(f, "{model}")?,
             Substance::Mirror => write!(f, "mirror")?,
             Substance::Metal(metal, nm) if nm == Substance::WAVELENGTH => write!(f, "{}", metal.name())?,
             Substance::Metal(metal, nm) => write!(f, "{}@{nm}", metal.name())?,
@@ -149,6 +155,10 @@ mod tests {
             "paint:0.8,1.6:beckmann:0.3",
             "diffuse:0.5",
             "conductor:0.1234567890123,6.9",
+            "ward:0.1,0.3:0.6",
+            "ggx:0.2,0.05,30",
+            "lambert:0.3+shifted-gamma:0.196,0.707:schlick=0.08",
+            "lafortune:-0.5,-0.5,0.45,20/-0.2,-0.2,0.2,5",
         ] {
             let material: Material = text.parse().unwrap();
             assert_eq!(material.to_string(), text);
@@ -187,6 +197,14 @@ mod tests {
             ("paint:1.1", "albedo must be 0 to 1, not 1.1"),
             ("diffuse:inf", "albedo must be 0 to 1, not inf"),
             ("diffuse:0.5:ggx:0.1", "diffuse has no mirror facets"),
+            ("ward", "'ward' takes roughness along x, roughness along y, turn in degrees, as in ward:0.2 or"),
+            ("ward:3", "roughness along x of 'ward' must be 0.001 to 2, not 3"),
+            ("lambert:0.2+bras", "'bras' is not a model of reflectance; known are lambert, oren-nayar"),
+            ("ggx:0.2:f=1", "'f=' is no kind of share"),
+            ("ggx:0.2:0.5:1", "'1' is one part too many in a model"),
+            ("ggx:0.2/0.3", "'0.2/0.3' in a model is not a number"),
+            ("lafortune:1,2,3", "'lafortune' takes Cx, Cy, Cz, exponent, as in"),
+            ("lambert:0.8+phong:5", "sends back 1."),
         ] {
             let message = text.parse::<Material>().unwrap_err().to_string();
             assert!(message.contains(part), "{text}: {message}");

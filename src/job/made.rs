@@ -20,7 +20,7 @@ use crate::trace::path::{End, Fate};
 use crate::trace::traced_plate::TracedPlate;
 use crate::verify::experiment::{HighlightImage, Sensor};
 use crate::verify::measure::Mirrored;
-use crate::verify::tally::{Measurement, PARTS, Tally};
+use crate::verify::tally::{MeasureError, Measurement, PARTS, Tally};
 use crate::verify::verdict::Verdict;
 
 /// Rows of slopes over a plate that is not polished, for each part of its light. Of the portrait on 30 mm, cut by a ball of
@@ -90,7 +90,8 @@ pub fn prove_as_made(
                 let surface = machining.polished(&ways, draw, progress);
                 progress.check()?;
                 let surface = surface.ok_or(DesignError::NoLight)?;
-                let light = TracedPlate::new(&sheet_solid(&surface, THICKNESS, 0.0)?, 0.0)?.run(mirrored);
+                let light =
+                    TracedPlate::new(&sheet_solid(&surface, THICKNESS, 0.0, progress)?, 0.0, progress)?.run(mirrored);
                 first.get_or_insert(surface);
                 light
             }
@@ -98,14 +99,12 @@ pub fn prove_as_made(
         };
         progress.check()?;
         progress.stage(Stage::Scoring);
-        let measurement = measurement.ok_or(DesignError::NoLight)?;
         let measurement = match rim {
-            Some(rim) if rim.counts => rim.light.over(measurement),
-            _ => measurement,
+            Some(rim) if rim.counts => rim.light.over(measurement?),
+            _ => measurement?,
         };
-        let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress);
-        progress.check()?;
-        found.push((measurement, verdict.ok_or(DesignError::NoLight)?));
+        let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
+        found.push((measurement, verdict));
     }
     let draws = found.iter().map(|(_, verdict)| verdict.main().tv_incident.value).collect();
     let central_spot = found.first().map_or(0.0, |(measurement, _)| central_spot(measurement, target, mirrored));
@@ -148,7 +147,7 @@ fn bare(
     draw: u64,
     blur: Option<&BlurKernel>,
     mirrored: Mirrored,
-) -> Option<Measurement> {
+) -> Result<Measurement, MeasureError> {
     let Mirrored { setup, metal, measuring, progress } = mirrored;
     let sensor = HighlightImage { setup, resolution: measuring.resolution };
     let light = setup.light();
@@ -176,7 +175,7 @@ fn bare(
         tally
     };
     let parts: Vec<Tally> = (0..PARTS).into_par_iter().map(part).collect();
-    progress.check().ok()?;
+    progress.check()?;
     Measurement::of_parts(parts)
 }
 

@@ -51,7 +51,7 @@ pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
     let margin = args.margin.unwrap_or(border);
     let limit = args.running.memory();
     let nothing = Need::new(0.0, "the programs", "take a wider --stepover");
-    let opened = plates::open(&stl, margin, &args.placing, (limit, nothing))?;
+    let opened = plates::open(&stl, margin, &args.placing, (limit, nothing), &progress)?;
     let shop = shop(args, machining, &opened, margin)?;
     let machining = shop.finishing();
     let plate = shop.blank.optical_size();

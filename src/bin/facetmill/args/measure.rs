@@ -60,7 +60,8 @@ pub struct MeasureArgs {
     /// glossy coat over a matt base of that albedo). Matt: `diffuse:0.5`. Rough: `brass:ggx:0.2`,
     /// `gold:beckmann:0.1,0.3`; the number is the roughness alpha, two are along x and y: polished 0.02, worn 0.1,
     /// brushed 0.1,0.3. Metals: aluminium, brass, chrome, copper, gold, iron, nickel, silver, steel; `gold@650` is gold
-    /// in light of 650 nm instead of 550.
+    /// in light of 650 nm instead of 550. Or a model by name: `ward:0.1,0.3:0.8` (the last is the share that it reflects),
+    /// `lambert:0.3+ggx:0.2:schlick=0.04`; docs/goals.md has all of them.
     #[arg(long, value_name = "MATERIAL", help_heading = "Plate", value_parser = material, conflicts_with = "ndf")]
     pub material: Option<Material>,
     /// Rim that is no optical area and is not lit, mm  [default: the design's --border if left dull, else 0]
