@@ -75,7 +75,7 @@ fn raising(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new(name, 1_000_000), |b| b.iter(|| heights.heights(black_box(&grid))));
     }
     let relief = subject::relief(300);
-    group.bench_function("solid/90000", |b| b.iter(|| solid(black_box(&relief), 5.0)));
+    group.bench_function("solid/90000", |b| b.iter(|| solid(black_box(&relief), 5.0, &Progress::silent())));
 }
 
 criterion_group! {

@@ -34,9 +34,9 @@ fn tracing(c: &mut Criterion) {
     let mut group = c.benchmark_group("tracing");
     for side in [30, 300] {
         let relief = subject::relief(side);
-        let mesh = solid(&relief, 5.0).unwrap();
+        let mesh = solid(&relief, 5.0, &Progress::silent()).unwrap();
         group.throughput(Throughput::Elements(PATHS));
-        let grid = GridSurface::new(&relief);
+        let grid = GridSurface::new(&relief, &Progress::silent()).unwrap();
         group.bench_function(BenchmarkId::new("grid", side * side), |b| b.iter(|| light_over(&grid, &one)));
         let planted = MeshSurface::new(&mesh, 0.0).unwrap();
         group.bench_function(BenchmarkId::new("mesh", side * side), |b| b.iter(|| light_over(&planted, &one)));
@@ -52,7 +52,8 @@ fn scoring(c: &mut Criterion) {
     let setup = subject::setup();
     let target = scored_target(&subject::light(), Quantity::Radiance, &setup, 256);
     // The even light of a dome against a portrait: most of it has to move.
-    let seen = light_over(&GridSurface::new(&subject::relief(30)), &one).whole.share_image();
+    let seen =
+        light_over(&GridSurface::new(&subject::relief(30), &Progress::silent()).unwrap(), &one).whole.share_image();
     let mut group = c.benchmark_group("scoring");
     group.bench_function("blur_and_ssim/256", |b| {
         b.iter(|| blurred_scores(black_box(&seen), 1.0, &target, setup.view(), 1f64.to_radians()));

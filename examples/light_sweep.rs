@@ -31,16 +31,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     recipe.light.phi = 90.0;
     recipe.verify.rays = measuring.rays;
     let picture = picture::read(&path, &recipe.reading())?;
-    let overhead = GridSurface::new(&design(&recipe, &picture.light, &silent)?.relief);
+    let overhead = GridSurface::new(&design(&recipe, &picture.light, &silent)?.relief, &silent)?;
 
     println!("  lamp    plate for a lamp overhead     plate for this lamp");
     for theta in [0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0] {
         recipe.light.theta = theta;
         let setup = recipe.setup();
-        let seen =
-            measure(&Experiment::new(&overhead, &setup), &measuring, &silent).ok_or("no light falls on the plate")?;
+        let seen = measure(&Experiment::new(&overhead, &setup), &measuring, &silent)?;
         let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, measuring.resolution);
-        let kept = Verdict::new(&seen, &target, setup.view(), &silent).ok_or("no light in the image")?;
+        let kept = Verdict::new(&seen, &target, setup.view(), &silent)?;
         let own = prove(&recipe, &picture.light, &design(&recipe, &picture.light, &silent)?, &silent)?.verdict;
         print!("{theta:5}°");
         for verdict in [&kept, &own] {

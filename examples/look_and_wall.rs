@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
 
     // A lamp of 10 mm radius and a wall, both a metre away.
-    let surface = GridSurface::new(&plate.relief);
+    let surface = GridSurface::new(&plate.relief, &Progress::silent())?;
     let mirror = Experiment::new(&surface, &setup);
     let settings = WallSettings { half_width: 450.0, ..WallSettings::default() };
     let image =
@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("plate.png", &view_page(&view, &settings, &Exposure { heading: "The plate".into(), ..Exposure::default() }))?;
 
     // A ball and a cylinder whose whole surface has that relief, too fine to see.
-    let panel = GridSurface::panel(&plate.relief);
+    let panel = GridSurface::panel(&plate.relief, &Progress::silent())?;
     let worn = Experiment { surface: &panel, setup: &setup, material, lamp };
     let shapes = [("ball.png", Shape::Sphere { radius: 40.0 }), ("cylinder.png", Shape::Cylinder { radius: 40.0 })];
     for (name, shape) in shapes {

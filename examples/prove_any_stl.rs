@@ -24,15 +24,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recipe = Recipe::default();
     let setup = recipe.setup();
     let mesh = read_stl(&mut File::open(&stl)?)?;
-    let plate = TracedPlate::new(&mesh, 0.0)?;
+    let plate = TracedPlate::new(&mesh, 0.0, &Progress::silent())?;
     println!("{} triangles, traced as {}", mesh.triangles.len(), plate.kind());
 
     let (metal, measuring, progress) = (recipe.metal(), Measuring::default(), Progress::silent());
     let mirrored = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &progress };
-    let measurement = plate.run(mirrored).ok_or("no light reaches the highlight image: check units and orientation")?;
+    let measurement = plate.run(mirrored)?;
     let light = read(&drawing, &recipe.reading())?.light;
     let target = scored_target(&light, recipe.highlight.quantity, &setup, measuring.resolution);
-    let verdict = Verdict::new(&measurement, &target, setup.view(), &progress).ok_or("the image holds no light")?;
+    let verdict = Verdict::new(&measurement, &target, setup.view(), &progress)?;
     let main = verdict.main();
     println!("TV(1°)     {:.4} ± {:.4}", main.tv_incident.value, main.tv_incident.error);
     println!("SSIM(1°)   {:.3}", main.ssim.value);

@@ -63,6 +63,6 @@ fn on_the_wall(recipe: &Recipe, drawing: &Picture, scene: &Scene) -> Result<Rast
     let plate = design(recipe, &drawing.light, &progress)?;
     let (metal, measuring) = (recipe.metal(), Measuring::default());
     let throwing = Throwing { scene, metal: &metal, measuring: &measuring, within: None, progress: &progress };
-    let thrown = TracedPlate::new(&plate.mesh, 0.0)?.run(throwing).ok_or("no light meets the plate")?;
+    let thrown = TracedPlate::new(&plate.mesh, 0.0, &progress)?.run(throwing).ok_or("no light meets the plate")?;
     Ok(cropped(&thrown.whole.image).scaled(1.0 / thrown.whole.incident))
 }

@@ -6,6 +6,8 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
+use crate::progress::Cancelled;
+
 /// A number that a descent can move: `f64`, or `f32` where millions of them would fill the memory.
 pub trait Number: Copy + Default + Send + Sync + Into<f64> {
     /// The nearest number of this kind.
@@ -41,16 +43,17 @@ pub struct Descent {
 ///
 /// `objective` writes the gradient at its first argument into its second and returns the value there. `goes_on` is asked
 /// before each step, whose number it is given.
-/// A step that does not lower the value is never taken: the result is at least as good as the start.
+/// A step that does not lower the value is never taken: the result is at least as good as the start, also where
+/// `objective` is cancelled on the way.
 pub fn minimise<T: Number>(
     x: &mut [T],
     settings: &Descent,
-    mut objective: impl FnMut(&[T], &mut [T]) -> f64,
+    mut objective: impl FnMut(&[T], &mut [T]) -> Result<f64, Cancelled>,
     mut goes_on: impl FnMut(usize) -> bool,
-) -> f64 {
+) -> Result<f64, Cancelled> {
     let n = x.len();
     let mut gradient = vec![T::default(); n];
-    let mut value = objective(x, &mut gradient);
+    let mut value = objective(x, &mut gradient)?;
     let mut past: VecDeque<(Vec<T>, Vec<T>, f64)> = VecDeque::new();
     let (mut trial, mut trial_gradient) = (vec![T::default(); n], vec![T::default(); n]);
     for step in 0..settings.steps {
@@ -74,7 +77,7 @@ pub fn minimise<T: Number>(
         let lowered = loop {
             trial.copy_from_slice(x);
             add(&mut trial, &direction, length);
-            let reached = objective(&trial, &mut trial_gradient);
+            let reached = objective(&trial, &mut trial_gradient)?;
             if reached.is_finite() && reached <= value + SUFFICIENT * length * descent {
                 break Some(reached);
             }
@@ -103,7 +106,7 @@ pub fn minimise<T: Number>(
             break;
         }
     }
-    value
+    Ok(value)
 }
 
 /// Armijo's constant.
@@ -185,10 +188,11 @@ mod tests {
                 let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
                 g[0] = -2.0 * a - 400.0 * x[0] * b;
                 g[1] = 200.0 * b;
-                a * a + 100.0 * b * b
+                Ok(a * a + 100.0 * b * b)
             },
             |_| true,
-        );
+        )
+        .unwrap();
         assert!(value < 1e-12 && (x[0] - 1.0).abs() < 1e-5, "{value} {x:?}");
     }
 
@@ -207,17 +211,18 @@ mod tests {
                     *g = (steepness(k) * f64::from(x)) as f32;
                     0.5 * steepness(k) * f64::from(x).powi(2)
                 });
-                each.sum()
+                Ok(each.sum())
             },
             |_| true,
-        );
+        )
+        .unwrap();
         assert!(value < 1e-6 * n as f64, "{value}");
     }
 
     #[test]
     fn odd_objectives_end_where_they_began() {
         let settings = Descent { steps: 5, memory: 0, tolerance: 0.0, first_move: 1.0 };
-        assert_eq!(minimise::<f64>(&mut [], &settings, |_, _| 7.0, |_| true), 7.0);
+        assert_eq!(minimise::<f64>(&mut [], &settings, |_, _| Ok(7.0), |_| true), Ok(7.0));
         for slope in [0.0, f64::NAN, f64::INFINITY] {
             let mut x = [1.0, 2.0];
             minimise(
@@ -225,19 +230,20 @@ mod tests {
                 &settings,
                 |x, g| {
                     g.fill(slope);
-                    x[0]
+                    Ok(x[0])
                 },
                 |_| true,
-            );
+            )
+            .unwrap();
             assert_eq!(x, [1.0, 2.0]);
         }
         // Nothing remembered is steepest descent with one pair: still downhill.
         let mut x = [3.0, -1.0];
         let bowl = |x: &[f64], g: &mut [f64]| {
             (g[0], g[1]) = (2.0 * x[0], 20.0 * x[1]);
-            x[0] * x[0] + 10.0 * x[1] * x[1]
+            Ok(x[0] * x[0] + 10.0 * x[1] * x[1])
         };
-        assert!(minimise(&mut x, &Descent { steps: 30, ..settings }, bowl, |_| true) < 1e-6);
+        assert!(minimise(&mut x, &Descent { steps: 30, ..settings }, bowl, |_| true).unwrap() < 1e-6);
     }
 
     #[test]
@@ -247,13 +253,32 @@ mod tests {
         let mut asked = 0;
         let bowl = |x: &[f64], g: &mut [f64]| {
             g[0] = 4.0 * x[0].powi(3);
-            x[0].powi(4)
+            Ok(x[0].powi(4))
         };
         minimise(&mut x, &settings, bowl, |step| {
             asked += 1;
             step < 2
-        });
+        })
+        .unwrap();
         assert!(asked == 3 && x[0] < 8.0 && x[0] > 1.0, "{asked} {x:?}");
+    }
+
+    #[test]
+    fn a_cancelled_objective_leaves_the_best_so_far() {
+        let settings = Descent { steps: 50, memory: 4, tolerance: 0.0, first_move: 0.5 };
+        let mut x = [8.0f64];
+        let (mut calls, mut least) = (0, f64::INFINITY);
+        let bowl = |x: &[f64], g: &mut [f64]| {
+            calls += 1;
+            if calls > 4 {
+                return Err(Cancelled);
+            }
+            g[0] = 4.0 * x[0].powi(3);
+            least = least.min(x[0]);
+            Ok(x[0].powi(4))
+        };
+        assert_eq!(minimise(&mut x, &settings, bowl, |_| true), Err(Cancelled));
+        assert!(x[0] == least && least < 8.0, "{x:?} {least}");
     }
 
     #[test]
@@ -265,10 +290,11 @@ mod tests {
             &settings,
             |x, g| {
                 g[0] = x[0].signum();
-                if x[0] == 0.3 { 0.0 } else { f64::NAN }
+                Ok(if x[0] == 0.3 { 0.0 } else { f64::NAN })
             },
             |_| true,
-        );
+        )
+        .unwrap();
         assert_eq!((value, x[0]), (0.0, 0.3));
     }
 }

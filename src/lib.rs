@@ -73,6 +73,7 @@
 //!    best), [`verify`] collects them as an image and scores it, each figure with its standard error.
 //!    [`verify::goniometer`] measures a whole BRDF, [`verify::microgeometry`] normals and masking, [`verify::wall`] the
 //!    reflection on a wall nearby, [`verify::render`] what a camera sees of the plate.
+//!    [`milling`] makes the plate as a machine does, and [`shop`] writes the programs for it and judges anybody's.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
 //!     [`goal`] is what a plate may be asked for in place of a drawing: reflectance by name, by measurement or by a map.
 //! 10. **All of it.** [`recipe`] holds every setting with its default, [`job`] goes from one and its picture
@@ -200,6 +201,8 @@ pub mod facets;
 pub mod relief;
 
 pub mod milling;
+
+pub mod shop;
 
 pub mod sculpt;
 

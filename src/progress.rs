@@ -5,6 +5,7 @@
 //! so far, or *abandon* everything. Work that was abandoned ends in [`Cancelled`]; work that was told to finish ends as
 //! ever, only sooner and less well.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering};
 use std::time::Instant;
@@ -13,6 +14,9 @@ use glam::DVec2;
 
 /// Time between two reliefs that are shown, ms.
 const BETWEEN_RELIEFS: u64 = 150;
+
+/// Items of a long loop between two questions: what takes a microsecond each is asked every 16 ms.
+const STRETCH: usize = 1 << 14;
 
 /// A part of the work that takes a while. Its [id](Stage::id) never changes, its [words](Stage::words) may.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -42,6 +46,8 @@ pub enum Stage {
     Scoring,
     /// The cutter is led over the plate, and light sent over what it leaves.
     Milling,
+    /// Programs for a machine are made, read back and judged.
+    Programs,
     /// Flat facets of the same recipe are made and judged.
     Comparison,
     /// Flat facets are made after all.
@@ -74,6 +80,7 @@ impl Stage {
             Self::Tracing => "tracing",
             Self::Scoring => "scoring",
             Self::Milling => "milling",
+            Self::Programs => "programs",
             Self::Comparison => "comparison",
             Self::Facets => "facets",
             Self::Goniometer => "goniometer",
@@ -99,6 +106,7 @@ impl Stage {
             Self::Tracing => "tracing light over the plate",
             Self::Scoring => "scoring",
             Self::Milling => "milling it, and tracing that",
+            Self::Programs => "making programs, and reading them back",
             Self::Comparison => "comparing with flat facets",
             Self::Facets => "making flat facets, which are better here",
             Self::Goniometer => "lighting the plate from all sides",
@@ -229,8 +237,9 @@ pub struct Cancelled;
 pub struct Progress<'a> {
     listener: Option<&'a dyn Listener>,
     cancel: Option<&'a CancelToken>,
-    /// Whether a wish to finish is heard, and not only one to abandon.
-    may_finish: bool,
+    /// The weakest wish that ends the work with the best so far, and the weakest that ends it with nothing.
+    finished_by: u8,
+    abandoned_by: u8,
     since: Option<Instant>,
     /// When the last relief was shown, ms after `since`; one more, so that 0 is never.
     shown: AtomicU64,
@@ -239,7 +248,14 @@ pub struct Progress<'a> {
 impl<'a> Progress<'a> {
     /// Nobody listens and nothing cancels.
     pub const fn silent() -> Self {
-        Self { listener: None, cancel: None, may_finish: true, since: None, shown: AtomicU64::new(0) }
+        Self {
+            listener: None,
+            cancel: None,
+            finished_by: FINISH,
+            abandoned_by: ABANDON,
+            since: None,
+            shown: AtomicU64::new(0),
+        }
     }
 
     /// `listener` hears every event; `cancel` ends the work.
@@ -249,12 +265,24 @@ impl<'a> Progress<'a> {
 
     /// Ended by the same token, but nobody listens: for a part of work whose whole reports on itself.
     pub const fn hushed(&self) -> Self {
-        Self { cancel: self.cancel, may_finish: self.may_finish, ..Self::silent() }
+        Self { listener: None, since: None, ..self.again() }
     }
 
-    /// Ended only by a wish to abandon, and nobody listens: for work that has no best so far.
+    /// Ended only by a wish to abandon: for work that has no best so far.
     pub const fn to_the_end(&self) -> Self {
-        Self { cancel: self.cancel, may_finish: false, ..Self::silent() }
+        Self { finished_by: self.abandoned_by, ..self.again() }
+    }
+
+    /// Abandoned by either wish, and nobody listens: for a try that is dropped when the work is to finish, while the best
+    /// before it is kept.
+    pub const fn until_finish(&self) -> Self {
+        Self { abandoned_by: self.finished_by, ..self.hushed() }
+    }
+
+    /// The same once more; only reliefs are counted anew.
+    const fn again(&self) -> Self {
+        let Self { listener, cancel, finished_by, abandoned_by, since, .. } = *self;
+        Self { listener, cancel, finished_by, abandoned_by, since, shown: AtomicU64::new(0) }
     }
 
     /// Announces the next stage.
@@ -295,101 +323,44 @@ impl<'a> Progress<'a> {
 
     /// Whether the caller wants the work to end, with the best so far or at all.
     pub fn is_to_finish(&self) -> bool {
-        if self.may_finish { self.cancel.is_some_and(CancelToken::is_to_finish) } else { self.is_abandoned() }
+        self.is_ended_by(self.finished_by)
     }
 
     /// Whether the caller wants nothing more.
     pub fn is_abandoned(&self) -> bool {
-        self.cancel.is_some_and(CancelToken::is_abandoned)
+        self.is_ended_by(self.abandoned_by)
+    }
+
+    fn is_ended_by(&self, weakest: u8) -> bool {
+        self.cancel.is_some_and(|token| token.asked() >= weakest)
     }
 
     /// Ends work that was abandoned.
     pub fn check(&self) -> Result<(), Cancelled> {
         if self.is_abandoned() { Err(Cancelled) } else { Ok(()) }
     }
+
+    /// The numbers below `count` in short stretches, and the question whether to go on before each.
+    ///
+    /// ```
+    /// use facetmill::progress::{CancelToken, Cancelled, Progress};
+    /// fn sum(progress: &Progress) -> Result<usize, Cancelled> {
+    ///     let mut sum = 0;
+    ///     for stretch in progress.stretches(100_000) {
+    ///         sum += stretch?.sum::<usize>();
+    ///     }
+    ///     Ok(sum)
+    /// }
+    /// assert_eq!(sum(&Progress::silent()), Ok(4_999_950_000));
+    /// let (listen, token) = (|_: facetmill::progress::Event<'_>| {}, CancelToken::default());
+    /// token.abandon();
+    /// assert_eq!(sum(&Progress::new(&listen, &token)), Err(Cancelled));
+    /// ```
+    pub fn stretches(&self, count: usize) -> impl Iterator<Item = Result<Range<usize>, Cancelled>> {
+        let stretch = move |from: usize| self.check().map(|()| from..count.min(from + STRETCH));
+        (0..count).step_by(STRETCH).map(stretch)
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::atomic::AtomicUsize;
-
-    use super::*;
-
-    /// Counts the reliefs that it is shown.
-    struct Watcher {
-        wants: bool,
-        seen: AtomicUsize,
-    }
-
-    impl Listener for Watcher {
-        fn hear(&self, _: Event<'_>) {}
-
-        fn wants_relief(&self) -> bool {
-            self.wants
-        }
-
-        fn see(&self, _: &SheetSoFar) {
-            self.seen.fetch_add(1, Ordering::Relaxed);
-        }
-    }
-
-    #[test]
-    fn reliefs_are_made_only_for_who_wants_them_and_not_too_often() {
-        let token = CancelToken::default();
-        for wants in [false, true] {
-            let watcher = Watcher { wants, seen: AtomicUsize::new(0) };
-            let progress = Progress::new(&watcher, &token);
-            let made = AtomicUsize::new(0);
-            let from = Instant::now();
-            for _ in 0..1000 {
-                progress.offer_relief(|| {
-                    made.fetch_add(1, Ordering::Relaxed);
-                    SheetSoFar { nodes: 1, cell: DVec2::ONE, heights: vec![0.0] }
-                });
-            }
-            let most = if wants { 1 + from.elapsed().as_millis() as usize / 150 } else { 0 };
-            let (made, seen) = (made.into_inner(), watcher.seen.into_inner());
-            assert!(made == seen && seen <= most && (seen > 0) == wants, "{made} {seen} {most}");
-        }
-    }
-
-    #[test]
-    fn work_without_a_best_so_far_hears_only_the_stronger_wish() {
-        let token = CancelToken::default();
-        let listen = |_: Event<'_>| {};
-        let progress = Progress::new(&listen, &token);
-        let whole = progress.to_the_end();
-        token.finish();
-        assert!(progress.is_to_finish() && progress.hushed().is_to_finish() && !whole.is_to_finish());
-        assert_eq!((progress.check(), whole.check()), (Ok(()), Ok(())));
-        token.abandon();
-        assert_eq!((progress.check(), whole.check(), whole.is_to_finish()), (Err(Cancelled), Err(Cancelled), true));
-    }
-
-    #[test]
-    fn ids_of_stages_are_words_of_their_own() {
-        use Stage::*;
-        let all = [
-            Distribution,
-            Sharpening,
-            Sculpting,
-            Sampling,
-            Arrangement,
-            Heights,
-            Solid,
-            Reading,
-            Tracing,
-            Scoring,
-            Milling,
-            Comparison,
-            Facets,
-            Goniometer,
-            Normals,
-            Wall,
-            View,
-            Files,
-        ];
-        let ids: std::collections::HashSet<_> = all.iter().map(|stage| stage.id()).collect();
-        assert_eq!(ids.len(), all.len());
-    }
-}
+mod tests;

@@ -74,7 +74,7 @@ fn redesigned(directory: &Path) -> Result<(Recipe, Design), Box<dyn Error>> {
 /// `mesh` its triangles; `measure` is the highlight image with plain rays and all tallies, of a lamp of next to no size.
 fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
     let mesh = read_stl(&mut File::open(directory.join("plate.stl"))?)?;
-    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0));
+    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0, &Progress::silent()));
     let TracedPlate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
     let (escaped, by_grid) = timed(|| trace(&grid, side));
     let setup = Setup::new(0.0, 0.0, 1e-9, Projection::Orthographic, 0.35);
@@ -94,12 +94,12 @@ fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
 /// own measurement, rays doubled until it does.
 fn noise_of(directory: &Path) -> Result<Value, Box<dyn Error>> {
     let mesh = read_stl(&mut File::open(directory.join("plate.stl"))?)?;
-    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0));
+    let (plate, finding) = timed(|| TracedPlate::new(&mesh, 0.0, &Progress::silent()));
     let TracedPlate::Facets(grid) = plate? else { return Err("plate.stl holds no facets on a grid".into()) };
     let setup = Setup::new(0.0, 0.0, 0.0, Projection::Orthographic, f64::to_radians(20.0));
     let measuring = Measuring { rays: 1000, error: Some(0.002), ..Measuring::default() };
     let (measured, seconds) = timed(|| measure(&Experiment::new(&grid, &setup), &measuring, &Progress::silent()));
-    let measured = measured.ok_or("no light")?;
+    let measured = measured?;
     Ok(json!({
         "rays": measured.whole.rays, "noise": measured.image_noise(), "image": measured.whole.share_image().values,
         "seconds": { "finding": finding, "measure": seconds },
@@ -143,7 +143,7 @@ fn distance(a: &Path, b: &Path) -> Result<Value, Box<dyn Error>> {
     let recipe = Recipe::default();
     let (a, b) = (picture::read(a, &recipe.reading())?.light, picture::read(b, &recipe.reading())?.light);
     let (w1, seconds) = timed(|| exact_w1(&a, &b, recipe.setup().view(), 64, &Progress::silent()));
-    Ok(json!({ "w1_deg": w1, "seconds": seconds }))
+    Ok(json!({ "w1_deg": w1?, "seconds": seconds }))
 }
 
 /// The assignment behind the transport arrangement, from slopes in no order.

@@ -4,6 +4,7 @@ use glam::DVec2;
 use image::{ImageBuffer, Luma};
 use serde::{Deserialize, Serialize};
 
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 
 /// A picture of heights and what its grey levels mean.
@@ -54,7 +55,11 @@ impl HeightScale {
 ///
 /// The plate's longer side gets `pixels_per_side_max` pixels (1 to 65535), the shorter as many as keep the pixels
 /// as square as whole numbers allow. On a grid line the facet with the higher x or y counts.
-pub fn height_map(relief: &FacetedRelief, pixels_per_side_max: usize) -> HeightMap {
+pub fn height_map(
+    relief: &FacetedRelief,
+    pixels_per_side_max: usize,
+    progress: &Progress,
+) -> Result<HeightMap, Cancelled> {
     let (low, high) = relief.bounds();
     let size = (high - low).truncate();
     let [width, height] = pixel_counts(size, pixels_per_side_max);
@@ -65,6 +70,7 @@ pub fn height_map(relief: &FacetedRelief, pixels_per_side_max: usize) -> HeightM
     let steps_per_mm = if range > 0.0 { 65535.0 / range } else { 0.0 };
     let mut image = ImageBuffer::new(width, height);
     for (r, row) in image.rows_mut().enumerate() {
+        progress.check()?;
         let y = high.y - (r as f64 + 0.5) * pixel.y;
         let j = interval(&relief.y, y);
         for (grey, &(x, i)) in row.zip(&columns) {
@@ -86,7 +92,7 @@ pub fn height_map(relief: &FacetedRelief, pixels_per_side_max: usize) -> HeightM
         origin: "lower-left corner of the optical area is x = y = 0; x right, y up".to_owned(),
         rim: None,
     };
-    HeightMap { image, sidecar }
+    Ok(HeightMap { image, sidecar })
 }
 
 /// Columns and rows of a picture of something `size` large whose longer side has `longer` pixels; at least one each.
@@ -109,6 +115,10 @@ mod tests {
     use crate::relief::faceted::Facet;
     use crate::slope::Slope;
 
+    fn mapped(relief: &FacetedRelief, pixels: usize) -> HeightMap {
+        height_map(relief, pixels, &Progress::silent()).unwrap()
+    }
+
     fn plane(slope: Slope, columns: usize, rows: usize, size: DVec2) -> FacetedRelief {
         let mut relief =
             FacetedRelief::uniform(columns, rows, size, vec![Facet { height: 0.0, slope }; columns * rows]);
@@ -123,12 +133,12 @@ mod tests {
     #[test]
     fn bright_is_high_up_is_up_and_right_is_right() {
         let size = DVec2::new(3.0, 2.0);
-        let up = height_map(&plane(Slope::new(0.0, 0.5), 3, 2, size), 30).image;
+        let up = mapped(&plane(Slope::new(0.0, 0.5), 3, 2, size), 30).image;
         assert_eq!(up.dimensions(), (30, 20));
         assert!(up.get_pixel(7, 0).0 > up.get_pixel(7, 1).0);
         assert!(up.get_pixel(7, 0).0[0] > 63_000 && up.get_pixel(7, 19).0[0] < 2_000);
         assert_eq!(up.get_pixel(0, 5), up.get_pixel(29, 5));
-        let right = height_map(&plane(Slope::new(0.5, 0.0), 3, 2, size), 30).image;
+        let right = mapped(&plane(Slope::new(0.5, 0.0), 3, 2, size), 30).image;
         assert!(right.get_pixel(29, 4).0[0] > 64_000 && right.get_pixel(0, 4).0[0] < 1_200);
         assert_eq!(right.get_pixel(11, 0), right.get_pixel(11, 19));
     }
@@ -143,7 +153,7 @@ mod tests {
             })
             .collect();
         let relief = FacetedRelief::uniform(7, 5, DVec2::new(14.0, 9.0), facets).with_rim(1.5);
-        let HeightMap { image, sidecar } = height_map(&relief, 171);
+        let HeightMap { image, sidecar } = mapped(&relief, 171);
         assert_eq!((sidecar.width, sidecar.height), image.dimensions());
         assert_eq!((sidecar.width, sidecar.height), (171, 121));
         let half_step = (sidecar.z_high_mm - sidecar.z_low_mm) / 65535.0 / 2.0;
@@ -160,7 +170,7 @@ mod tests {
     #[test]
     fn a_flat_plate_is_black_and_says_one_height() {
         let facets = vec![Facet { height: 0.7, slope: Slope::FLAT }];
-        let map = height_map(&FacetedRelief::uniform(1, 1, DVec2::new(5.0, 5.0), facets), 4);
+        let map = mapped(&FacetedRelief::uniform(1, 1, DVec2::new(5.0, 5.0), facets), 4);
         assert!(map.image.pixels().all(|p| p.0 == [0]));
         assert_eq!((map.sidecar.z_low_mm, map.sidecar.z_high_mm), (0.7, 0.7));
         assert_eq!(map.sidecar.height_mm(12_345), 0.7);
@@ -178,7 +188,7 @@ mod tests {
 
     #[test]
     fn the_sidecar_survives_json() {
-        let sidecar = height_map(&plane(Slope::new(0.1, 0.2), 2, 2, DVec2::ONE), 8).sidecar;
+        let sidecar = mapped(&plane(Slope::new(0.1, 0.2), 2, 2, DVec2::ONE), 8).sidecar;
         let text = serde_json::to_string_pretty(&sidecar).unwrap();
         assert!(text.contains("\"mm_per_pixel\""));
         assert_eq!(serde_json::from_str::<HeightScale>(&text).unwrap(), sidecar);

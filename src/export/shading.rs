@@ -11,6 +11,7 @@ use super::heightmap::pixel_counts;
 use super::lettering::Align;
 use super::page::{GRID, LINE, PLAN_LINE, Page, TEXT, Unit, pixel};
 use super::ticks::{number, round_below};
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 use facet_plan::FacetPlan;
 use heights::CornerHeights;
@@ -49,24 +50,26 @@ impl ReliefPicture<'_> {
     /// wide as its height asks for; of a continuous relief each pixel shows the mean of its slopes, about the slope of the
     /// whole plate. All slopes are exaggerated by a round factor that makes the steeper ones stand out; the caption states
     /// it. Higher ground is a little warmer.
-    pub fn picture(&self, pixels: usize) -> RgbImage {
+    pub fn picture(&self, pixels: usize, progress: &Progress) -> Result<RgbImage, Cancelled> {
         let relief = self.relief;
         let (low, high) = relief.bounds();
         let size = (high - low).truncate();
         let [width, height] = pixel_counts(size, pixels.clamp(16, 8192));
-        let heights = CornerHeights::new(relief, self.continuous, [width as usize, height as usize]);
+        let heights = CornerHeights::new(relief, self.continuous, [width as usize, height as usize], progress)?;
         let (mut plan, exaggeration) = if self.continuous {
             heights.shaded(low.z, high.z)
         } else {
             let exaggeration = facet_plan::exaggeration(relief);
             let plan = FacetPlan { relief, low, high, exaggeration, pixel: size.x / f64::from(width) };
-            (plan.picture(width, height), exaggeration)
+            (plan.picture(width, height, progress)?, exaggeration)
         };
+        progress.check()?;
         // Between walls lines would only be pieces.
         let step = round_below((high.z - low.z) / CONTOURS).filter(|step| self.continuous && *step > 1e-7);
         if let Some(step) = step {
             heights.contours(&mut plan, step);
         }
+        progress.check()?;
         let unit = Unit((f64::from(width.max(height)) / 900.0).max(0.6));
         let margin = unit.px(40.0);
         let (wide, tall) = (i64::from(width), i64::from(height));
@@ -87,7 +90,7 @@ impl ReliefPicture<'_> {
         words(0, &caption(relief, self.made_of, exaggeration));
         let lines = step.map(|step| format!("contour lines every {} · ", length_text(step))).unwrap_or_default();
         words(1, &format!("{lines}the section is at the marks"));
-        page.image
+        Ok(page.image)
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec2;
 use thiserror::Error;
 
+use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::NodeGrid;
 use crate::relief::rim::Rim;
@@ -24,7 +25,12 @@ const WORST_SLOPE: f64 = 1e-4;
 /// # Errors
 /// When the plate is too large for its details in single precision, the thickness is not positive, a height is not
 /// finite, or the body outgrows the 32-bit counts of an STL file.
-pub fn sheet_solid(relief: &impl NodeGrid, thickness: f64, rim: impl Into<Rim>) -> Result<Mesh, SheetError> {
+pub fn sheet_solid(
+    relief: &impl NodeGrid,
+    thickness: f64,
+    rim: impl Into<Rim>,
+    progress: &Progress,
+) -> Result<Mesh, SheetError> {
     let rim = rim.into();
     let [nx, ny] = relief.plate_nodes();
     let (low, high) = relief.height_range();
@@ -49,9 +55,12 @@ pub fn sheet_solid(relief: &impl NodeGrid, thickness: f64, rim: impl Into<Rim>) 
     let mut mesh = Mesh::default();
     mesh.triangles.reserve_exact(wanted as usize);
     // Adding zero turns -0 into 0, which readers may or may not tell apart.
-    let top = (0..nx * ny).map(|k| relief.node(k % nx, k / nx).to_array().map(|v| v as f32 + 0.0));
-    mesh.vertices.extend(top);
+    for j in 0..ny {
+        progress.check()?;
+        mesh.vertices.extend((0..nx).map(|i| relief.node(i, j).to_array().map(|v| v as f32 + 0.0)));
+    }
     for j in 0..ny - 1 {
+        progress.check()?;
         for i in 0..nx - 1 {
             let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| ((j + y) * nx + i + x) as u32);
             mesh.triangles.extend(if relief.rises(i, j) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
@@ -182,6 +191,9 @@ pub enum SheetError {
     /// Triangles do not fit 32-bit counts.
     #[error("the solid would need more triangles than an STL file can count: lower --grid or --cells")]
     TooMany,
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 #[cfg(test)]
@@ -196,6 +208,10 @@ mod tests {
     fn relief(cells: [usize; 2], tilt: Slope) -> PeriodicRelief {
         let heights = (0..25).map(|k| (k * k % 11) as f32 * 0.01).collect();
         PeriodicRelief { nodes: 5, heights, cell: DVec2::new(2.0, 1.5), cells, tilt }
+    }
+
+    fn closed(relief: &PeriodicRelief, thickness: f64, rim: impl Into<Rim>) -> Result<Mesh, SheetError> {
+        sheet_solid(relief, thickness, rim, &Progress::silent())
     }
 
     /// Volume by the divergence theorem; panics unless every directed edge has its opposite exactly once.
@@ -224,7 +240,7 @@ mod tests {
             ([2, 1], Slope::new(0.0, 0.1), 0.7, 0.3),
         ] {
             let (relief, rim) = (relief(cells, tilt), Rim { width, fall });
-            let mesh = sheet_solid(&relief, 2.0, rim).unwrap();
+            let mesh = closed(&relief, 2.0, rim).unwrap();
             let low = relief.height_range().0 - rim.depth();
             let [nx, ny] = relief.plate_nodes();
             let prisms = (0..(nx - 1) * (ny - 1)).map(|k| {
@@ -248,7 +264,9 @@ mod tests {
     #[test]
     fn every_square_is_written_with_its_own_cut() {
         let relief = relief([2, 3], Slope::new(0.05, -0.1));
-        let Some(Recognised::Heights(grid)) = recognise(&sheet_solid(&relief, 2.0, 0.0).unwrap()) else {
+        let Some(Recognised::Heights(grid)) =
+            recognise(&closed(&relief, 2.0, 0.0).unwrap(), &Progress::silent()).unwrap()
+        else {
             panic!("not known again")
         };
         let rising: Vec<bool> = (0..150).map(|k| relief.rises(k % 10, k / 10)).collect();
@@ -259,13 +277,13 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_refused() {
         let plain = relief([1, 1], Slope::FLAT);
-        assert_eq!(sheet_solid(&plain, 0.0, 0.0), Err(SheetError::Thickness(0.0)));
-        assert_eq!(sheet_solid(&plain, 1e-12, 0.0), Err(SheetError::Thickness(1e-12)));
-        assert!(matches!(sheet_solid(&plain, 1e5, 0.0), Err(SheetError::Fine { .. })));
+        assert_eq!(closed(&plain, 0.0, 0.0), Err(SheetError::Thickness(0.0)));
+        assert_eq!(closed(&plain, 1e-12, 0.0), Err(SheetError::Thickness(1e-12)));
+        assert!(matches!(closed(&plain, 1e5, 0.0), Err(SheetError::Fine { .. })));
         let tiny = PeriodicRelief { cell: DVec2::splat(1e-5), cells: [10_000, 1], ..plain.clone() };
-        assert!(matches!(sheet_solid(&tiny, 1.0, 0.0), Err(SheetError::Fine { .. })));
+        assert!(matches!(closed(&tiny, 1.0, 0.0), Err(SheetError::Fine { .. })));
         let mut broken = plain;
         broken.heights[3] = f32::NAN;
-        assert_eq!(sheet_solid(&broken, 1.0, 0.0), Err(SheetError::NotFinite));
+        assert_eq!(closed(&broken, 1.0, 0.0), Err(SheetError::NotFinite));
     }
 }

@@ -18,6 +18,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::column::{Chain, Column, NE, NW, SE, SW};
+use crate::progress::{Cancelled, Progress};
 use crate::relief::{faceted::FacetedRelief, mesh::Mesh};
 
 /// Heights at one node nearer to each other than this share of the finest pitch become one: no slivers of wall. Slopes
@@ -45,7 +46,7 @@ const AROUND: [(usize, usize); 4] = [(1, 1), (0, 1), (0, 0), (1, 0)];
 /// # Errors
 /// When the relief has no cells, a height or slope is not finite, the thickness is not positive, the plate is too
 /// large for its details in single precision, or the body outgrows the 32-bit counts of an STL file.
-pub fn solid(relief: &FacetedRelief, thickness: f64) -> Result<Mesh, SolidError> {
+pub fn solid(relief: &FacetedRelief, thickness: f64, progress: &Progress) -> Result<Mesh, SolidError> {
     let mut body = Body::new(relief, thickness)?;
     let (nx, ny) = (relief.columns(), relief.rows());
     let mut south = body.nodes(0)?;
@@ -54,6 +55,7 @@ pub fn solid(relief: &FacetedRelief, thickness: f64) -> Result<Mesh, SolidError>
     let mut east_base = Vec::new();
     let south_base: Vec<u32> = south.iter().map(|node| node.first).collect();
     for j in 0..ny {
+        progress.check()?;
         let north = body.nodes(j + 1)?;
         let north_edges = body.edges_along_x(&north);
         let upright: Vec<_> = south.iter().zip(&north).map(|(n, m)| body.edge(n, m, 1, [NW, SW], [NE, SE])).collect();
@@ -313,4 +315,7 @@ pub enum SolidError {
     /// Vertices or triangles do not fit 32-bit counts.
     #[error("the solid would need more triangles than an STL file can count")]
     TooMany,
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

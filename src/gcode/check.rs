@@ -3,6 +3,7 @@
 //! Surfaces are handed over as functions of the place, so that anything that has a height can be asked.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::program::{Move, Program};
 
@@ -83,7 +84,7 @@ pub struct Amiss {
 
 impl Amiss {
     /// Takes the worst place of a move, if any is amiss.
-    fn take(&mut self, line: u32, worst: Option<(f64, DVec3)>) {
+    pub(crate) fn take(&mut self, line: u32, worst: Option<(f64, DVec3)>) {
         let Some((by, place)) = worst else { return };
         self.moves += 1;
         if self.moves == 1 {
@@ -111,7 +112,7 @@ fn worst(
     program: &Program,
     one: &Move,
     step: f64,
-    below: &mut dyn FnMut(DVec3) -> Option<f64>,
+    below: &(impl Fn(DVec3) -> Option<f64> + Sync),
 ) -> Option<(f64, DVec3)> {
     let mut worst: Option<(f64, DVec3)> = None;
     let mut from = one.from;
@@ -130,19 +131,20 @@ fn worst(
     worst
 }
 
+/// The worst places of all of `moves` together, each looked at as `worst` says.
+fn all_worst(program: &Program, moves: &[Move], step: f64, below: &(impl Fn(DVec3) -> Option<f64> + Sync)) -> Amiss {
+    let found: Vec<_> = moves.par_iter().map(|one| worst(program, one, step, below)).collect();
+    let mut amiss = Amiss::default();
+    moves.iter().zip(found).for_each(|(one, found)| amiss.take(one.motion.line, found));
+    amiss
+}
+
 /// Rapids that go sideways or down below the height that `safe` gives for a place, looked at every `step` mm. Straight up
 /// they leave the way that they came.
-pub fn low_rapids(program: &Program, safe: impl Fn(DVec2) -> f64, step: f64) -> Amiss {
-    let mut amiss = Amiss::default();
-    for one in program.moves().filter(|one| !one.cuts() && one.is_known()) {
-        let to = one.motion.to;
-        if one.from.truncate() == to.truncate() && to.z >= one.from.z {
-            continue;
-        }
-        let mut below = |place: DVec3| Some(safe(place.truncate()) - place.z).filter(|by| *by > 0.0);
-        amiss.take(one.motion.line, worst(program, &one, step, &mut below));
-    }
-    amiss
+pub fn low_rapids(program: &Program, safe: impl Fn(DVec2) -> f64 + Sync, step: f64) -> Amiss {
+    let is_up = |one: &Move| one.from.truncate() == one.motion.to.truncate() && one.motion.to.z >= one.from.z;
+    let rapids: Vec<Move> = program.moves().filter(|one| !one.cuts() && one.is_known() && !is_up(one)).collect();
+    all_worst(program, &rapids, step, &|place: DVec3| Some(safe(place.truncate()) - place.z).filter(|by| *by > 0.0))
 }
 
 /// Moves sideways while the height, or cuts while any axis, is unknown: they come from wherever the tool stands.
@@ -158,14 +160,10 @@ pub fn blind_moves(program: &Program) -> Amiss {
 
 /// Cuts that pass more than `tolerance` mm below the lowest place of the tool's tip that `lowest` allows, looked at every
 /// `step` mm; `None` where nothing is to be kept.
-pub fn gouges(program: &Program, lowest: &mut dyn FnMut(DVec2) -> Option<f64>, tolerance: f64, step: f64) -> Amiss {
-    let mut amiss = Amiss::default();
-    for one in program.moves().filter(|one| one.cuts() && one.is_known()) {
-        let mut below =
-            |place: DVec3| lowest(place.truncate()).map(|least| least - place.z).filter(|by| *by > tolerance);
-        amiss.take(one.motion.line, worst(program, &one, step, &mut below));
-    }
-    amiss
+pub fn gouges(program: &Program, lowest: impl Fn(DVec2) -> Option<f64> + Sync, tolerance: f64, step: f64) -> Amiss {
+    let cuts: Vec<Move> = program.moves().filter(|one| one.cuts() && one.is_known()).collect();
+    let below = |place: DVec3| lowest(place.truncate()).map(|least| least - place.z).filter(|by| *by > tolerance);
+    all_worst(program, &cuts, step, &below)
 }
 
 /// Moves that leave the box from `low` to `high`, mm.
@@ -228,12 +226,12 @@ mod tests {
     #[test]
     fn a_gouge_and_a_stray_are_measured() {
         let ball = program("G21G90G0Z5\nX0Y0\nG1Z0F100\nX10\nZ-0.002\nX0\nG0Z5");
-        let mut flat = |_: DVec2| Some(0.0);
-        let amiss = gouges(&ball, &mut flat, 0.001, 0.05);
+        let flat = |_: DVec2| Some(0.0);
+        let amiss = gouges(&ball, flat, 0.001, 0.05);
         assert_eq!((amiss.moves, amiss.first_line), (2, 5));
         assert!((amiss.worst - 0.002).abs() < 1e-12);
-        assert!(gouges(&ball, &mut flat, 0.003, 0.05).is_none());
-        assert!(gouges(&ball, &mut |_| None, 0.0, 0.05).is_none());
+        assert!(gouges(&ball, flat, 0.003, 0.05).is_none());
+        assert!(gouges(&ball, |_| None, 0.0, 0.05).is_none());
         let out = strays(&ball, DVec3::new(0.0, 0.0, -0.001), DVec3::new(9.5, 1.0, 6.0));
         assert_eq!((out.moves, out.line, out.worst), (4, 4, 0.5));
     }

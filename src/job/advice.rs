@@ -59,8 +59,11 @@ fn beyond_cap(recipe: &Recipe, design: &Design) -> Option<String> {
 /// where the drawing has its mean.
 fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
     let costs = mean_slope_costs(recipe, &design.distribution);
+    if costs <= WORTH_LEVELLING {
+        return None;
+    }
     let (low, high) = design.relief.optical_heights();
-    if costs <= WORTH_LEVELLING || costs <= 0.5 * (high - low) {
+    if costs <= 0.5 * (high - low) {
         return None;
     }
     if design.sheet.is_none() && recipe.heights().is_cyclic() {

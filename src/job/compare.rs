@@ -64,9 +64,11 @@ pub fn beside_facets(
     }
     progress.stage(Stage::Comparison);
     let recipe = of_facets(recipe);
-    let scored = scored(&recipe, light, proof, progress);
-    progress.check()?;
-    let Ok(Some(flat)) = scored else { return Ok(None) };
+    let flat = match scored(&recipe, light, proof, progress) {
+        Ok(Some(flat)) => flat,
+        Err(DesignError::Cancelled(cancelled)) => return Err(cancelled),
+        Ok(None) | Err(_) => return Ok(None),
+    };
     let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
     let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
     Ok(Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() }))
@@ -81,23 +83,21 @@ pub(crate) fn of_facets(recipe: &Recipe) -> Recipe {
 
 /// The score of a recipe's facets.
 fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -> Result<Option<Score>, DesignError> {
-    let plate = design(recipe, light, &progress.to_the_end())?;
+    let plate = design(recipe, light, &progress.to_the_end().hushed())?;
     let setup = &plate.distribution.setup;
     let measuring = Measuring { rays: recipe.verify.rays.min(RAYS), ..recipe.measuring() };
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let measurement = match recipe.design.sheet.cutter {
-        None => mirrored.on(&GridSurface::new(&plate.relief)),
-        Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored).0,
+        None => mirrored.on(&GridSurface::new(&plate.relief, progress)?)?,
+        Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored)?.0,
     };
-    Ok(measurement.and_then(|measurement| {
-        // The rim is the same.
-        let measurement = match &proof.rim {
-            Some(rim) if rim.counts => rim.light.over(measurement),
-            _ => measurement,
-        };
-        let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
-        let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians())?;
-        Some(Score { misplaced: scores.tv_incident, ssim: scores.ssim })
-    }))
+    // The rim is the same.
+    let measurement = match &proof.rim {
+        Some(rim) if rim.counts => rim.light.over(measurement),
+        _ => measurement,
+    };
+    let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
+    let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians());
+    Ok(scores.map(|scores| Score { misplaced: scores.tv_incident, ssim: scores.ssim }))
 }

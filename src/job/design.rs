@@ -1,31 +1,33 @@
 //! From a recipe and its picture to a plate.
 
+mod error;
+
+pub use error::DesignError;
+
 use super::clock::Clock;
 use super::near::NearDesign;
 use super::sentences::{WORTH_TELLING, stray_sentence};
-use crate::distribution::{DistributionError, SlopeDistribution};
-use crate::export::sheet::{SheetError, sheet_solid};
-use crate::export::solid::{SolidError, solid};
+use crate::distribution::SlopeDistribution;
+use crate::export::sheet::sheet_solid;
+use crate::export::solid::solid;
 use crate::facets::SlopeGrid;
 use crate::facets::arrange::{anneal::anneal_best, per_cell::arrange_per_cell, random_order, transport};
 use crate::facets::heights::{least_squares, weyrich2009};
 use crate::facets::sample::sample;
 use crate::facets::steps::{Steps, steps};
 use crate::highlight::Highlight;
-use crate::memory::TooMuchMemory;
-use crate::progress::{Cancelled, Progress, Stage};
+use crate::progress::{Progress, Stage};
 use crate::raster::Raster;
-use crate::recipe::{Arrangement, Heights, Recipe, RecipeError, SurfaceKind};
+use crate::recipe::{Arrangement, Heights, Recipe, SurfaceKind};
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::NodeGrid;
 use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::checkpoint::Checkpoint;
-use crate::sculpt::stages::{SculptError, Sheet, TooNarrow, least_stray, sculpt};
+use crate::sculpt::stages::{Sheet, least_stray, sculpt};
 use crate::setup::Setup;
 use crate::sharpen::{Sharpening, sharpen};
 use crate::slope::Slope;
-use crate::trace::mesh::MeshSurfaceError;
 
 /// Light painted below the plate beyond which a design is refused.
 const MOST_BELOW: f64 = 0.5;
@@ -192,7 +194,7 @@ fn continuous(
     let mut near = NearDesign::new(recipe, distribution);
     if let Some(near) = &mut near {
         progress.stage_with(Stage::Room, &near.why);
-        near.finish(recipe, distribution, &sheet, progress);
+        near.finish(recipe, distribution, &sheet, progress)?;
         progress.check()?;
         clock.lap(Stage::Room);
         shallow_enough(near.depth(), recipe.design.sheet.max_depth)?;
@@ -201,9 +203,10 @@ fn continuous(
     progress.stage(Stage::Solid);
     let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
     let (mesh, relief) = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
-        Some(near) => (sheet_solid(&near.relief, thickness, rim)?, near.relief.faceted()),
-        None => (sheet_solid(&sheet.relief, thickness, rim)?, sheet.relief.faceted()),
+        Some(near) => (sheet_solid(&near.relief, thickness, rim, progress)?, near.relief.faceted()),
+        None => (sheet_solid(&sheet.relief, thickness, rim, progress)?, sheet.relief.faceted()),
     };
+    progress.check()?;
     let relief = relief.with_rim(rim);
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, near, relief, mesh, ended_early })
@@ -257,7 +260,7 @@ fn faceted(
     clock.lap(Stage::Heights);
 
     progress.stage(Stage::Solid);
-    let mesh = solid(&relief, recipe.plate.thickness)?;
+    let mesh = solid(&relief, recipe.plate.thickness, progress)?;
     clock.lap(Stage::Solid);
     let facets = Some(Facets { grid, steps });
     Ok(Shaped { facets, sheet: None, least_stray: None, near, relief, mesh, ended_early })
@@ -286,71 +289,6 @@ const FINEST: usize = 1024;
 fn shrunk(light: &Raster) -> Raster {
     let side = light.width.min(FINEST);
     if side == light.width { light.clone() } else { light.resampled(side, side) }
-}
-
-/// Why no plate came of a recipe.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum DesignError {
-    /// The recipe itself.
-    #[error(transparent)]
-    Recipe(#[from] RecipeError),
-    /// No direction above the plate.
-    #[error("none of the picture's light lies above the plate: lower the light's angle or --half-field")]
-    AllBelow,
-    /// More than half of the light below the plate.
-    #[error(
-        "{:.0}% of the picture's light lies below the plate, where nothing can be seen: lower the light's angle or --half-field",
-        100.0 * share
-    )]
-    MostlyBelow {
-        /// Share of the picture's light.
-        share: f64,
-    },
-    /// No slopes.
-    #[error(transparent)]
-    SlopeDistribution(#[from] DistributionError),
-    /// No solid.
-    #[error(transparent)]
-    Solid(#[from] SolidError),
-    /// No solid of a sheet.
-    #[error(transparent)]
-    Sheet(#[from] SheetError),
-    /// The sheet's triangles cannot be traced.
-    #[error(transparent)]
-    Mesh(#[from] MeshSurfaceError),
-    /// No sheet has the slopes.
-    #[error(transparent)]
-    TooNarrow(#[from] TooNarrow),
-    /// The relief sends nothing into the image.
-    #[error("no light reaches the highlight image: the relief shades itself completely")]
-    NoLight,
-    /// The sheet did not become as shallow as asked.
-    #[error(
-        "the relief is {depth:.3} mm deep where {most} mm were allowed: raise --max-depth, or --cells, since smaller cells are shallower"
-    )]
-    TooDeep {
-        /// What was reached about the mean plane, mm.
-        depth: f64,
-        /// What was allowed, mm.
-        most: f64,
-    },
-    /// It would take more memory than it may.
-    #[error(transparent)]
-    Memory(#[from] TooMuchMemory),
-    /// The caller asked to stop.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
-impl From<SculptError> for DesignError {
-    fn from(error: SculptError) -> Self {
-        match error {
-            SculptError::Cutter(cutter) => RecipeError::from(cutter).into(),
-            SculptError::TooNarrow(narrow) => narrow.into(),
-            SculptError::Cancelled(cancelled) => cancelled.into(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -61,11 +61,11 @@ pub const DESIGN: &[Export] = &[
         when: When::Always,
         write: |from, mut out| write_stl(&from.product.design.mesh, &mut out),
     },
-    Export { name: "heightmap.png", when: When::Always, write: |from, out| png(&from.map().image, out) },
+    Export { name: "heightmap.png", when: When::Always, write: |from, out| png(&from.map()?.image, out) },
     Export {
         name: "heightmap.json",
         when: When::Always,
-        write: |from, out| out.write_all(text(&from.map().sidecar).as_bytes()),
+        write: |from, out| out.write_all(text(&from.map()?.sidecar).as_bytes()),
     },
     Export { name: "relief.png", when: When::Always, write: |from, out| from.relief(out) },
     Export { name: "target.png", when: When::Always, write: |from, out| from.target(out) },
@@ -140,6 +140,20 @@ pub const MEASURE: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that `mill` may write.
+pub const MILL: &[&str] = &[
+    "air-cut.nc",
+    "air-cut.ngc",
+    "air-cut.tap",
+    "roughing.nc",
+    "roughing.ngc",
+    "roughing.tap",
+    "finishing.nc",
+    "finishing.ngc",
+    "finishing.tap",
+    "report.json",
+];
+
 /// The names of all files that a design may write.
 pub fn names() -> Vec<&'static str> {
     DESIGN.iter().map(|export| export.name).collect()
@@ -161,7 +175,7 @@ impl Product {
             progress.check()?;
             kept
         };
-        let source = Source::new(self, picture);
+        let source = Source::new(self, picture, progress);
         source.due().try_for_each(|export| keep(export.name, &mut |out| export.write(&source, out)))
     }
 }
@@ -187,13 +201,14 @@ impl Write for Stoppable<'_> {
 struct Source<'a> {
     product: &'a Product,
     picture: &'a Picture,
+    progress: &'a Progress<'a>,
     map: OnceCell<HeightMap>,
     pictures: OnceCell<ProofPictures>,
 }
 
 impl<'a> Source<'a> {
-    fn new(product: &'a Product, picture: &'a Picture) -> Self {
-        Self { product, picture, map: OnceCell::new(), pictures: OnceCell::new() }
+    fn new(product: &'a Product, picture: &'a Picture, progress: &'a Progress<'a>) -> Self {
+        Self { product, picture, progress, map: OnceCell::new(), pictures: OnceCell::new() }
     }
 
     /// The files that are to be written.
@@ -212,11 +227,11 @@ impl<'a> Source<'a> {
         })
     }
 
-    fn map(&self) -> &HeightMap {
-        self.map.get_or_init(|| {
-            let mut map = height_map(&self.product.design.relief, HEIGHT_MAP_SIDE);
+    fn map(&self) -> io::Result<&HeightMap> {
+        made_once(&self.map, || {
+            let mut map = height_map(&self.product.design.relief, HEIGHT_MAP_SIDE, self.progress)?;
             map.sidecar.rim = self.product.about_rim();
-            map
+            Ok(map)
         })
     }
 
@@ -225,7 +240,7 @@ impl<'a> Source<'a> {
         let Some(surface) = proof.as_ref().and_then(|proof| proof.made.as_ref()?.surface.as_ref()) else {
             return Ok(());
         };
-        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0).map_err(io::Error::other)?;
+        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0, self.progress).map_err(io::Error::other)?;
         write_stl(&solid, &mut out)
     }
 
@@ -234,7 +249,8 @@ impl<'a> Source<'a> {
         let made_of: Vec<String> = [self.product.made_of()].into_iter().chain(self.product.about_rim()).collect();
         let (relief, made_of) = (&design.relief, &made_of.join(", "));
         let page = ReliefPicture { relief, continuous: design.sheet.is_some(), made_of };
-        png(&page.picture(RELIEF_PICTURE_SIDE), out)
+        let picture = page.picture(RELIEF_PICTURE_SIDE, self.progress);
+        png(&picture.map_err(io::Error::other)?, out)
     }
 
     fn target(&self, out: &mut dyn Write) -> io::Result<()> {
@@ -253,7 +269,18 @@ impl<'a> Source<'a> {
     ) -> io::Result<()> {
         let Product { recipe, design, proof: Some(proof), .. } = self.product else { return Ok(()) };
         let view = design.distribution.setup.view();
-        write(self.pictures.get_or_init(|| ProofPictures::new(proof, recipe, view, &self.product.in_one_line())), out)
+        let make = || ProofPictures::new(proof, recipe, view, &self.product.in_one_line(), self.progress);
+        write(made_once(&self.pictures, make)?, out)
+    }
+}
+
+/// What `cell` holds, made now if it is empty yet.
+fn made_once<T>(cell: &OnceCell<T>, make: impl FnOnce() -> Result<T, Cancelled>) -> io::Result<&T> {
+    let new = if cell.get().is_none() { Some(make().map_err(io::Error::other)?) } else { None };
+    match (cell.get(), new) {
+        (None, Some(new)) => Ok(cell.get_or_init(|| new)),
+        (Some(made), _) => Ok(made),
+        (None, None) => Err(io::Error::other(Cancelled)),
     }
 }
 

@@ -65,7 +65,7 @@ mod tests {
         // so that this loses light, though not much.
         let sheet = plate.sheet.as_mut().unwrap();
         sheet.relief = PeriodicRelief { nodes: 384, heights: sampled(&sheet.relief, 384), ..sheet.relief.clone() };
-        plate.mesh = crate::export::sheet::sheet_solid(&sheet.relief, 5.0, 0.0).unwrap();
+        plate.mesh = crate::export::sheet::sheet_solid(&sheet.relief, 5.0, 0.0, &Progress::silent()).unwrap();
         recipe.plate.grid = Some(384);
         let (made, spent) = on_own_threads(None, || lighter(&recipe, &plate, &target)).unwrap();
         let made = made.unwrap();

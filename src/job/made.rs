@@ -20,7 +20,7 @@ use crate::trace::path::{End, Fate};
 use crate::trace::traced_plate::TracedPlate;
 use crate::verify::experiment::{HighlightImage, Sensor};
 use crate::verify::measure::Mirrored;
-use crate::verify::tally::{Measurement, PARTS, Tally};
+use crate::verify::tally::{MeasureError, Measurement, PARTS, Tally};
 use crate::verify::verdict::Verdict;
 
 /// Rows of slopes over a plate that is not polished, for each part of its light. Of the portrait on 30 mm, cut by a ball of
@@ -77,7 +77,7 @@ pub fn prove_as_made(
 ) -> Result<MadeProof, DesignError> {
     let progress = mirrored.progress;
     progress.stage(Stage::Milling);
-    let ways = machining.ways(&at_origin(mesh, margin), plate, progress);
+    let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress);
     progress.check()?;
     let mut found: Vec<(Measurement, Verdict)> = Vec::new();
     let mut first = None;
@@ -90,7 +90,8 @@ pub fn prove_as_made(
                 let surface = machining.polished(&ways, draw, progress);
                 progress.check()?;
                 let surface = surface.ok_or(DesignError::NoLight)?;
-                let light = TracedPlate::new(&sheet_solid(&surface, THICKNESS, 0.0)?, 0.0)?.run(mirrored);
+                let light =
+                    TracedPlate::new(&sheet_solid(&surface, THICKNESS, 0.0, progress)?, 0.0, progress)?.run(mirrored);
                 first.get_or_insert(surface);
                 light
             }
@@ -98,14 +99,12 @@ pub fn prove_as_made(
         };
         progress.check()?;
         progress.stage(Stage::Scoring);
-        let measurement = measurement.ok_or(DesignError::NoLight)?;
         let measurement = match rim {
-            Some(rim) if rim.counts => rim.light.over(measurement),
-            _ => measurement,
+            Some(rim) if rim.counts => rim.light.over(measurement?),
+            _ => measurement?,
         };
-        let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress);
-        progress.check()?;
-        found.push((measurement, verdict.ok_or(DesignError::NoLight)?));
+        let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
+        found.push((measurement, verdict));
     }
     let draws = found.iter().map(|(_, verdict)| verdict.main().tv_incident.value).collect();
     let central_spot = found.first().map_or(0.0, |(measurement, _)| central_spot(measurement, target, mirrored));
@@ -141,14 +140,6 @@ impl MadeProof {
     }
 }
 
-/// The mesh with the lower left corner of its optical area at x = y = 0.
-fn at_origin(mesh: &Mesh, margin: f64) -> Mesh {
-    let (low, _) = mesh.bounds();
-    let [x, y] = [low.x + margin, low.y + margin];
-    let moved = |[a, b, c]: &[f32; 3]| [(f64::from(*a) - x) as f32, (f64::from(*b) - y) as f32, *c];
-    Mesh { vertices: mesh.vertices.iter().map(moved).collect(), triangles: mesh.triangles.clone() }
-}
-
 /// Light of a plate that is not polished: first bounces of every slope, nothing in their way, seen through `blur`.
 fn bare(
     machining: &Machining,
@@ -156,7 +147,7 @@ fn bare(
     draw: u64,
     blur: Option<&BlurKernel>,
     mirrored: Mirrored,
-) -> Option<Measurement> {
+) -> Result<Measurement, MeasureError> {
     let Mirrored { setup, metal, measuring, progress } = mirrored;
     let sensor = HighlightImage { setup, resolution: measuring.resolution };
     let light = setup.light();
@@ -184,7 +175,7 @@ fn bare(
         tally
     };
     let parts: Vec<Tally> = (0..PARTS).into_par_iter().map(part).collect();
-    progress.check().ok()?;
+    progress.check()?;
     Measurement::of_parts(parts)
 }
 

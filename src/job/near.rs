@@ -5,7 +5,7 @@ use glam::DVec2;
 use crate::distribution::SlopeDistribution;
 use crate::facets::SlopeGrid;
 use crate::near::{NearField, Warping};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::recipe::{NearMethod, Recipe};
 use crate::relief::open::OpenRelief;
 use crate::sculpt::room::exact::exact;
@@ -56,12 +56,18 @@ impl NearDesign {
     }
 
     /// `sheet` on the base, and as far as the method goes.
-    pub fn finish(&mut self, recipe: &Recipe, flux: &SlopeDistribution, sheet: &Sheet, progress: &Progress) {
+    pub fn finish(
+        &mut self,
+        recipe: &Recipe,
+        flux: &SlopeDistribution,
+        sheet: &Sheet,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
         let warping = if self.method == NearMethod::Base { Warping::Base } else { Warping::Warp };
         let start = placed(&sheet.relief, &self.field, warping);
         let settings = &recipe.design.sheet;
         let descended = match self.method {
-            NearMethod::Exact => exact(start.clone(), &self.field, &flux.flux, settings, progress),
+            NearMethod::Exact => exact(start.clone(), &self.field, &flux.flux, settings, progress)?,
             NearMethod::Base | NearMethod::Warp => None,
         };
         let finished = match descended {
@@ -69,6 +75,7 @@ impl NearDesign {
             None => NearSheet { relief: start, misplaced: Vec::new(), fillets: sheet.fillets },
         };
         self.sheet = Some(NearSheet { relief: finished.relief.about_mean(), ..finished });
+        Ok(())
     }
 
     /// Facets in their places, each turned so that its light goes from there to where the far design sends it: their

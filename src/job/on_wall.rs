@@ -6,7 +6,7 @@ use super::scene_facts::{in_words, mirror_miss, sag, stopped_by_lamp};
 use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
 use crate::highlight::{Quantity, scored_target};
-use crate::progress::{Progress, Stage};
+use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::relief::height_grid::HeightGrid;
@@ -106,11 +106,11 @@ impl<'a> RoomProof<'a> {
             None => thrown,
         };
         let measurement = within_picture(&thrown);
-        let verdict = Verdict::new(&measurement, &self.target(measuring.resolution), setup.view(), progress);
+        let verdict = Verdict::new(&measurement, &self.target(measuring.resolution), setup.view(), progress)?;
         let on_wall = WallVerdict::new(&thrown, &self.target(ACROSS), self.scene, self.recipe.eye_distance());
         progress.check()?;
         let on_wall = on_wall.map(|verdict| WallLight { thrown, verdict });
-        Ok((measurement, verdict.ok_or(DesignError::NoLight)?, on_wall))
+        Ok((measurement, verdict, on_wall))
     }
 
     /// The whole proof from what was judged of the plate as designed.
@@ -194,19 +194,20 @@ pub(super) fn prove_in_room(
     let task = InRoom { throwing: room.throwing(), elsewhere: room.elsewhere() };
     let border = recipe.plate.border;
     let (thrown, elsewhere) = match sheet {
-        None => task.on(&GridSurface::new(&design.relief)),
+        None => task.on(&GridSurface::new(&design.relief, progress)?),
         // Without its rim: that is lit by itself.
         Some(sheet) if border > 0.0 => {
-            TracedPlate::new(&sheet_solid(&sheet.relief, recipe.plate.thickness, 0.0)?, 0.0)?.run(task)
+            let bare = sheet_solid(&sheet.relief, recipe.plate.thickness, 0.0, progress)?;
+            TracedPlate::new(&bare, 0.0, progress)?.run(task)
         }
-        Some(_) => TracedPlate::new(&design.mesh, 0.0)?.run(task),
+        Some(_) => TracedPlate::new(&design.mesh, 0.0, progress)?.run(task),
     };
     let rim = match &thrown {
         Some(thrown) if border > 0.0 => {
             let over = OverRim { mirrored: room.mirrored, width: border, scene: Some(scene) };
             let light = match sheet {
-                None => over.on(&GridSurface::new(&design.relief)),
-                Some(_) => TracedPlate::new(&design.mesh, border)?.run(over),
+                None => over.on(&GridSurface::new(&design.relief, progress)?)?,
+                Some(_) => TracedPlate::new(&design.mesh, border, progress)?.run(over)?,
             };
             Some(rim_proof(light, thrown, recipe.border_finish()))
         }
@@ -216,7 +217,7 @@ pub(super) fn prove_in_room(
     let (measurement, verdict, designed) = room.judged(thrown, over_all)?;
     let mut wall = room.wall_proof(designed, elsewhere);
     if let (Some(wall), Some(sheet)) = (&mut wall, sheet) {
-        wall.diffraction = diffraction(&sheet.relief, wall, progress);
+        wall.diffraction = diffraction(&sheet.relief, wall, progress)?;
         progress.check()?;
     }
     let mut milled = None;
@@ -253,7 +254,7 @@ fn over_milled(
     let (surface, left) = match (sheet, cutter) {
         (None, None) => return Ok(None),
         (None, Some(cutter)) => {
-            let cut = milled_facets(&design.relief, cutter, progress);
+            let cut = milled_facets(&design.relief, cutter, progress)?;
             (cut.surface, cut.most_left)
         }
         (Some(relief), _) => {
@@ -262,17 +263,17 @@ fn over_milled(
             let (grid, heights, left) = match cutter {
                 None => (grid, written, 0.0),
                 Some(cutter) => {
-                    let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress);
+                    let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress)?;
                     let left = cut.most_left();
                     (cut.grid, cut.heights, left)
                 }
             };
             let heights = polish.map_or(heights.clone(), |sigma| polished(&grid, heights, sigma));
-            (height_grid(&grid.plate(&heights)), left)
+            (height_grid(&grid.plate(&heights), progress)?, left)
         }
     };
     progress.check()?;
-    Ok(Some((room.throwing().on(&GridSurface::continuous(&surface)), left)))
+    Ok(Some((room.throwing().on(&GridSurface::continuous(&surface, progress)?), left)))
 }
 
 /// The change of the light at a blur of 0.5° that shows a patch to be needed: as for far sheets at 1°.
@@ -286,27 +287,32 @@ const WIDTH: f64 = 2.354_820_045_030_949;
 
 /// Looks for the widest Gaussian by which heights can be smoothed without visible change of the light on the wall, and for
 /// what diffraction by patches so wide leaves of the picture.
-fn diffraction(relief: &OpenRelief, wall: &WallProof, progress: &Progress) -> Option<WallDiffraction> {
+fn diffraction(
+    relief: &OpenRelief,
+    wall: &WallProof,
+    progress: &Progress,
+) -> Result<Option<WallDiffraction>, Cancelled> {
     let WallProof { scene, eye_distance, target, designed, .. } = wall;
     let grid = PlateGrid::of(relief, None);
     let written = grid.embedded(relief);
-    let surface = |heights: &[f32]| GridSurface::continuous(&height_grid(&grid.plate(heights)));
-    let change = change(scene, &surface(&written), progress)?;
+    let surface = |heights: &[f32]| GridSurface::continuous(&height_grid(&grid.plate(heights), progress)?, progress);
+    let Some(change) = change(scene, &surface(&written)?, progress) else { return Ok(None) };
     let (mut unseen, mut seen) = (0.25 * relief.step.min_element(), 0.05 * relief.size().min_element());
     for _ in 0..HALVINGS {
         let middle = (unseen * seen).sqrt();
-        let changed = change(&surface(&polished(&grid, written.clone(), middle)))?;
+        let changed = change(&surface(&polished(&grid, written.clone(), middle))?);
+        let Some(changed) = changed else { return Ok(None) };
         *(if changed > SEEN { &mut seen } else { &mut unseen }) = middle;
     }
     let patch = WIDTH * unseen;
     let spread = scene.wall_distance() * WAVELENGTH / patch;
-    let ssim = likeness_once_spread(&designed.thrown, target, scene, *eye_distance, spread / WIDTH)?;
-    Some(WallDiffraction { patch, spread, ssim })
+    let ssim = likeness_once_spread(&designed.thrown, target, scene, *eye_distance, spread / WIDTH);
+    Ok(ssim.map(|ssim| WallDiffraction { patch, spread, ssim }))
 }
 
-fn height_grid(relief: &OpenRelief) -> HeightGrid {
+fn height_grid(relief: &OpenRelief, progress: &Progress) -> Result<HeightGrid, Cancelled> {
     let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
     let [nx, ny] = relief.nodes;
     let heights = relief.heights.iter().map(|z| f64::from(*z)).collect();
-    HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights)
+    HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights, progress)
 }

@@ -6,6 +6,7 @@ use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::export::pixels::{common_white, tone_mapped};
 use crate::job::findings::Proof;
 use crate::job::wall_pictures::wall_page;
+use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::recipe::{Recipe, Seen};
@@ -45,7 +46,13 @@ pub struct ProofPictures {
 
 impl ProofPictures {
     /// Of `proof`, laid out by `view`; `footer` stands under the pages.
-    pub fn new(proof: &Proof, recipe: &Recipe, view: &View, footer: &str) -> Self {
+    pub fn new(
+        proof: &Proof,
+        recipe: &Recipe,
+        view: &View,
+        footer: &str,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let drawn = Drawn { view, footer, sharp: as_drawn(&proof.target, recipe) };
         let simulated = as_drawn(&proof.measurement.whole.lit_image(), recipe);
         let milled = proof.milled.as_ref().map(|milled| {
@@ -59,17 +66,20 @@ impl ProofPictures {
             let how = format!("by {}{polish}, ", made.machining.machine.name);
             drawn.beside(&as_drawn(&made.measurement.whole.lit_image(), recipe), &made.verdict, &how)
         });
+        progress.check()?;
         let simulated_picture = tone_mapped(&simulated, common_white(&drawn.sharp));
         if let Some(wall) = &proof.wall {
             let how = recipe.design.sheet.cutter.map_or("polished".into(), |cutter| format!("cut by {cutter}"));
-            return Self {
+            return Ok(Self {
                 comparison: wall_page(wall, &wall.designed, view, "", footer),
                 simulated: simulated_picture,
                 milled: wall.milled.as_ref().map(|light| wall_page(wall, light, view, &how, footer)).or(milled),
                 made,
-            };
+            });
         }
-        Self { comparison: drawn.beside(&simulated, &proof.verdict, ""), simulated: simulated_picture, milled, made }
+        let comparison = drawn.beside(&simulated, &proof.verdict, "");
+        progress.check()?;
+        Ok(Self { comparison, simulated: simulated_picture, milled, made })
     }
 }
 

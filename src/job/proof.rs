@@ -22,9 +22,9 @@ use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
 use crate::verify::measure::Mirrored;
 use crate::verify::rim::{OverRim, RimLight};
-use crate::verify::tally::Measurement;
+use crate::verify::tally::{MeasureError, Measurement};
 use crate::verify::verdict::Verdict;
-use crate::verify::windows::{change, likeness};
+use crate::verify::windows::{Wanted, change, likeness};
 
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
@@ -40,30 +40,25 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
     let task = PlateAndRim { mirrored, width: recipe.plate.border };
     let (measurement, rim) = match &design.sheet {
-        None => task.on(&GridSurface::new(&design.relief)),
+        None => task.on(&GridSurface::new(&design.relief, progress)?)?,
         // The triangles themselves, as they stand in the file.
-        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(task),
+        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border, progress)?.run(task)?,
     };
-    let rim = rim.zip(measurement.as_ref()).map(|(light, measurement)| RimProof {
+    let rim = rim.map(|light| RimProof {
         counts: recipe.border_finish() != BorderFinish::Matt,
-        ..RimProof::dull(light, measurement)
+        ..RimProof::dull(light, &measurement)
     });
-    let judged = |measurement: Option<Measurement>| {
-        progress.check()?;
-        let measurement = measurement.ok_or(DesignError::NoLight)?;
+    let judged = |measurement: Measurement| {
         progress.stage(Stage::Scoring);
         let measurement = match &rim {
             Some(rim) if rim.counts => rim.light.over(measurement),
             _ => measurement,
         };
-        let verdict = Verdict::new(&measurement, &target, setup.view(), progress);
-        progress.check()?;
-        let verdict = verdict.ok_or(DesignError::NoLight)?;
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress)?;
         Ok::<_, DesignError>((measurement, verdict))
     };
     let (measurement, verdict) = judged(measurement)?;
-    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, &sheet.relief, progress));
-    progress.check()?;
+    let made = design.sheet.as_ref().map(|sheet| CutSheet::of(recipe, &sheet.relief, progress)).transpose()?;
     let sheet = match &made {
         Some(made) => made.looked_at(recipe, &target, setup, progress)?,
         None => None,
@@ -85,11 +80,13 @@ struct PlateAndRim<'a> {
 }
 
 impl Task for PlateAndRim<'_> {
-    type Output = (Option<Measurement>, Option<RimLight>);
+    type Output = Result<(Measurement, Option<RimLight>), MeasureError>;
 
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let Self { mirrored, width } = self;
-        (mirrored.on(surface), (width > 0.0).then(|| OverRim { mirrored, width, scene: None }.on(surface)))
+        let measurement = mirrored.on(surface)?;
+        let rim = if width > 0.0 { Some(OverRim { mirrored, width, scene: None }.on(surface)?) } else { None };
+        Ok((measurement, rim))
     }
 }
 
@@ -102,16 +99,16 @@ struct CutSheet {
 }
 
 impl CutSheet {
-    fn of(recipe: &Recipe, relief: &PeriodicRelief, progress: &Progress) -> Self {
+    fn of(recipe: &Recipe, relief: &PeriodicRelief, progress: &Progress) -> Result<Self, Cancelled> {
         let (cut, left) = match recipe.design.sheet.cutter {
             None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
             Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter).mill(relief, progress);
+                let milled = Tool::new(relief.cell, cutter).mill(relief, progress)?;
                 let left = milled.most_left();
                 (milled.relief, left)
             }
         };
-        Self { relief: polished(cut, recipe.design.sheet.polish), left }
+        Ok(Self { relief: polished(cut, recipe.design.sheet.polish), left })
     }
 
     fn looked_at(
@@ -123,13 +120,12 @@ impl CutSheet {
     ) -> Result<Option<SheetProof>, Cancelled> {
         // Windows lie anywhere on a plate of many cells.
         let plate = PeriodicRelief { cells: [2, 2], ..self.relief.clone() };
-        let change = change(&self.relief, setup);
-        let changed = |heights: &[f32]| if progress.is_abandoned() { 1.0 } else { change(heights) };
-        let detail = smallest_detail(&self.relief, changed);
-        let diffracted = diffracted(&self.relief, 1.0, changed);
-        progress.check()?;
+        let changed = change(&self.relief, setup, progress)?;
+        let detail = smallest_detail(&self.relief, &changed)?;
+        let diffracted = diffracted(&self.relief, 1.0, &changed)?;
         let blur = recipe.blur(setup);
-        let windows = likeness(&plate, setup, blur.as_ref(), target, recipe.design.seed);
+        let wanted = Wanted { target, blur: blur.as_ref(), seed: recipe.design.seed };
+        let windows = likeness(&plate, setup, wanted, progress)?;
         Ok(windows.map(|windows| SheetProof { windows, detail, diffracted }))
     }
 }
@@ -140,7 +136,7 @@ fn send_over_milled(
     design: &Design,
     made: Option<&CutSheet>,
     mirrored: Mirrored,
-) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+) -> Result<Option<(Measurement, f64)>, DesignError> {
     let cutter = recipe.design.sheet.cutter;
     if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
@@ -148,10 +144,11 @@ fn send_over_milled(
     mirrored.progress.stage(Stage::Milling);
     match made {
         Some(made) => {
-            let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
-            Ok(Some((surface.run(mirrored), made.left)))
+            let solid = sheet_solid(&made.relief, recipe.plate.thickness, 0.0, mirrored.progress)?;
+            let surface = TracedPlate::new(&solid, 0.0, mirrored.progress)?;
+            Ok(Some((surface.run(mirrored)?, made.left)))
         }
-        None => Ok(cutter.map(|cutter| send_over_milled_facets(&design.relief, cutter, mirrored))),
+        None => Ok(cutter.map(|cutter| send_over_milled_facets(&design.relief, cutter, mirrored)).transpose()?),
     }
 }
 
@@ -166,7 +163,7 @@ pub fn send_over_milled_mesh(
     mesh: &Mesh,
     margin: f64,
     mirrored: Mirrored,
-) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+) -> Result<Option<(Measurement, f64)>, DesignError> {
     let cutter = recipe.design.sheet.cutter;
     if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
@@ -175,12 +172,14 @@ pub fn send_over_milled_mesh(
     let (low, high) = (low.truncate() + margin, high.truncate() - margin);
     mirrored.progress.stage(Stage::Milling);
     let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
-    match recognise(if margin > 0.0 { &upper } else { mesh }) {
+    let progress = mirrored.progress;
+    match recognise(if margin > 0.0 { &upper } else { mesh }, progress)? {
         Some(Recognised::Heights(grid)) => {
             let Some(relief) = repeated(&grid, low, high, recipe.cells()) else { return Ok(None) };
-            let made = CutSheet::of(recipe, &relief, mirrored.progress);
-            let surface = TracedPlate::new(&sheet_solid(&made.relief, recipe.plate.thickness, 0.0)?, 0.0)?;
-            Ok(Some((surface.run(mirrored), made.left)))
+            let made = CutSheet::of(recipe, &relief, progress)?;
+            let solid = sheet_solid(&made.relief, recipe.plate.thickness, 0.0, progress)?;
+            let surface = TracedPlate::new(&solid, 0.0, progress)?;
+            Ok(Some((surface.run(mirrored)?, made.left)))
         }
         Some(Recognised::Facets(mut relief)) => {
             let lines = |lines: &[f64], low: f64, high: f64| {
@@ -190,7 +189,8 @@ pub fn send_over_milled_mesh(
             };
             relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
             let whole = !relief.optical.0.is_empty() && !relief.optical.1.is_empty();
-            Ok(cutter.filter(|_| whole).map(|cutter| send_over_milled_facets(&relief, cutter, mirrored)))
+            let cutter = cutter.filter(|_| whole);
+            Ok(cutter.map(|cutter| send_over_milled_facets(&relief, cutter, mirrored)).transpose()?)
         }
         None => Ok(None),
     }
@@ -201,10 +201,7 @@ pub(super) fn send_over_milled_facets(
     relief: &FacetedRelief,
     cutter: Cutter,
     mirrored: Mirrored,
-) -> (Option<Measurement>, f64) {
-    let milled = milled_facets(relief, cutter, mirrored.progress);
-    if mirrored.progress.is_abandoned() {
-        return (None, milled.most_left);
-    }
-    (mirrored.on(&GridSurface::continuous(&milled.surface)), milled.most_left)
+) -> Result<(Measurement, f64), MeasureError> {
+    let milled = milled_facets(relief, cutter, mirrored.progress)?;
+    Ok((mirrored.on(&GridSurface::continuous(&milled.surface, mirrored.progress)?)?, milled.most_left))
 }

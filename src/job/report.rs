@@ -34,6 +34,7 @@ impl Product {
 
 fn report(product: &Product, picture: &Picture) -> DesignReport {
     let Product { recipe, design, proof, comparison, .. } = product;
+    let heights = design.relief.optical_heights();
     let distribution = &design.distribution;
     let verdict = proof.as_ref().map(|proof| &proof.verdict);
     let sheet_proof = proof.as_ref().and_then(|proof| proof.sheet.as_ref());
@@ -58,11 +59,11 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
             metal: recipe.metal(),
             sharpening: design.sharpening.map(sharpening),
         },
-        design: plate(recipe, design, comparison.as_ref()),
+        design: plate(recipe, design, comparison.as_ref(), heights.1 - heights.0),
         holds_beyond: (!recipe.is_near()).then(|| holds_beyond(recipe)),
         on_wall: proof.as_ref().and_then(|proof| proof.wall.as_ref()).map(|wall| wall.facts(recipe)),
         rim: product.about_rim().map(|for_the_shop| rim(product, for_the_shop)),
-        stl: stl(product),
+        stl: stl(product, heights),
         designed: verdict.map(Into::into),
         windows_tv_1deg: sheet_proof.map(windows),
         diffraction: sheet_proof.map(diffraction),
@@ -88,10 +89,9 @@ fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
 }
 
 /// The plate itself.
-fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>) -> PlateFacts {
+fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>, height: f64) -> PlateFacts {
     let Design { distribution, sheet, .. } = design;
     let steps = design.facets.as_ref().map(|facets| facets.steps);
-    let (low, high) = design.relief.optical_heights();
     let pitch = sheet.as_ref().map_or_else(|| recipe.pitch(), |sheet| sheet.relief.step());
     let mean = distribution.mean;
     let normal = distribution.setup.plate_normal();
@@ -102,7 +102,7 @@ fn plate(recipe: &Recipe, design: &Design, comparison: Option<&FacetComparison>)
             _ => recipe.why_this_surface(),
         },
         pitch_mm: pitch.to_array(),
-        relief_height_mm: high - low,
+        relief_height_mm: height,
         mean_slope: [mean.p, mean.q],
         mean_slope_deg: mean.tilt().to_degrees(),
         mean_slope_costs_mm: mean_slope_costs(recipe, distribution),
@@ -182,8 +182,7 @@ fn rim(product: &Product, for_the_shop: String) -> RimFacts {
     }
 }
 
-fn stl(Product { recipe, design, proof, .. }: &Product) -> StlFacts {
-    let (low, high) = design.relief.optical_heights();
+fn stl(Product { recipe, design, proof, .. }: &Product, (low, high): (f64, f64)) -> StlFacts {
     let lowest = design.relief.height_range().0;
     let triangles = design.mesh.triangles.len();
     StlFacts {

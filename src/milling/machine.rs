@@ -197,10 +197,15 @@ impl Machine {
         self.feed / 60.0 / self.lines_per_second
     }
 
+    /// One unit of the last decimal of its programs, mm.
+    pub fn quantum(&self) -> f64 {
+        10f64.powi(-(self.decimals as i32))
+    }
+
     /// Standard deviation of heights that differ from track to track and from cut to cut, with steps and play, mm: how far
     /// one cut may lie below its neighbours, about.
     pub fn scatter(&self) -> f64 {
-        let quantum = 10f64.powi(-(self.decimals as i32)).max(self.step);
+        let quantum = self.quantum().max(self.step);
         [self.track_scatter, self.tooth_scatter, 0.5 * self.backlash_z, 0.3 * quantum].into_iter().fold(0.0, f64::hypot)
     }
 }

@@ -60,10 +60,20 @@ pub struct Machining {
 }
 
 impl Machining {
+    /// How low the cutter can stand over the triangles of `mesh` that face up.
+    pub fn tips(&self, mesh: &Mesh) -> TipHeights {
+        TipHeights::new(mesh, self.cutter.profile())
+    }
+
     /// Where the tip should be, over the triangles of `mesh` that face up, for a plate of `plate` mm whose lower left corner
     /// is x = y = 0; of no use if the work is abandoned meanwhile.
     pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Ways {
-        Ways::new(&TipHeights::new(mesh, self.cutter.profile()), plate, &self.passes, self.place(), progress)
+        self.ways_over(&self.tips(mesh), plate, progress)
+    }
+
+    /// The same over triangles that are sorted already.
+    pub fn ways_over(&self, tips: &TipHeights, plate: DVec2, progress: &Progress) -> Ways {
+        Ways::new(tips, plate, &self.passes, [self.place(), self.machine.quantum()], progress)
     }
 
     /// From one place of the tip to the next along a pass, mm.
@@ -247,7 +257,7 @@ pub enum MachiningError {
 }
 
 /// Columns smoothed, of whose rows every `every`-th is kept.
-fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
+pub(super) fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
     let count = rows.len() / columns;
     let kept = (count - 1) / every + 1;
     let mut out = vec![0.0f32; columns * kept];

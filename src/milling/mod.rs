@@ -16,3 +16,7 @@ pub mod passes;
 mod sweep;
 
 pub mod made;
+
+pub mod swept;
+
+pub mod roughing;

@@ -1,11 +1,11 @@
 //! Parallel passes over a plate: where they lie, and where the cutter's tip should be along each.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::machine::Machine;
 use super::tip::TipHeights;
-use super::track::Way;
+use super::track::{Way, whole};
 use crate::progress::Progress;
 
 /// Slope up to which contacts beyond the plate's rim are wanted: steeper than any relief that throws a highlight.
@@ -85,8 +85,14 @@ pub struct Ways {
 
 impl Ways {
     /// Leads the cutter over a plate of `plate` mm whose lower left corner is x = y = 0, at places `step` mm apart along
-    /// each pass; of no use if the work is abandoned meanwhile.
-    pub fn new(tips: &TipHeights, plate: DVec2, passes: &Passes, step: f64, progress: &Progress) -> Self {
+    /// each pass, and passes at whole multiples of `quantum` mm; of no use if the work is abandoned meanwhile.
+    pub fn new(
+        tips: &TipHeights,
+        plate: DVec2,
+        passes: &Passes,
+        [step, quantum]: [f64; 2],
+        progress: &Progress,
+    ) -> Self {
         let profile = tips.profile();
         let frame = Frame::new(plate, passes.angle);
         // At a corner of the plate the tip still stands over it.
@@ -97,7 +103,7 @@ impl Ways {
         let ways: Vec<(f64, Way)> = (0..count)
             .into_par_iter()
             .map(|k| {
-                let y = (k as f64 + 0.5 - beyond) * passes.stepover;
+                let y = whole((k as f64 + 0.5 - beyond) * passes.stepover, quantum);
                 let at = |i: usize| DVec2::new(step * i as f64 - overrun, y);
                 let tip = |i: usize| if progress.is_abandoned() { 0.0 } else { tips.at(frame.on_plate(at(i))) };
                 if k % 64 == 0 {
@@ -107,6 +113,19 @@ impl Ways {
             })
             .collect();
         Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
+    }
+
+    /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting.
+    pub fn programs(&self, machine: &Machine, zigzag: bool) -> Vec<Vec<DVec3>> {
+        let program = |(k, (y, way)): (usize, &(f64, Way))| {
+            let ends = way.programmed(machine).into_iter();
+            let mut ends: Vec<DVec3> = ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
+            if zigzag && k % 2 == 1 {
+                ends.reverse();
+            }
+            ends
+        };
+        self.ways.par_iter().enumerate().map(program).collect()
     }
 
     /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.

@@ -39,22 +39,35 @@ pub(super) struct Samples {
 }
 
 impl Way {
-    /// The ends of a program's segments, (place, height) in mm, as it is written: on a chord as long as allowed.
-    fn programmed(&self, machine: &Machine) -> Vec<[f64; 2]> {
-        let point = |k: usize| [self.from + self.step * k as f64, self.heights[k]];
+    /// The ends of a program's segments, (place, height) in mm, as it is written: on a chord as long as allowed, in as many
+    /// decimals as the machine's programs have.
+    pub(super) fn programmed(&self, machine: &Machine) -> Vec<[f64; 2]> {
         let last = self.heights.len() - 1;
-        let (shortest, longest) =
-            [machine.shortest_segment(), machine.segment].map(|l| ((l / self.step).round() as usize).max(1)).into();
+        let steps = |length: f64| length / self.step;
+        // A share of a step that rounding adds is none.
+        let shortest = ((steps(machine.shortest_segment()) - 1e-9).ceil() as usize).max(1);
+        let longest = (steps(machine.segment).round() as usize).max(shortest);
+        let quantum = machine.quantum();
+        let point = |k: usize| {
+            let place = whole(self.from + self.step * k as f64, quantum);
+            [place, whole(self.height(place), quantum)]
+        };
         let mut ends = vec![point(0)];
         let mut at = 0;
         while at < last {
-            at = self.chord_end(at, shortest, longest.max(shortest)).min(last);
+            at = self.chord_end(at, shortest, longest).min(last);
             ends.push(point(at));
         }
-        let quantum = 10f64.powi(-(machine.decimals as i32));
-        let whole = |z: f64, step: f64| if step > 0.0 { (z / step).round() * step } else { z };
-        ends.iter_mut().for_each(|[_, z]| *z = whole(whole(*z, quantum), machine.step));
         ends
+    }
+
+    /// Height at a place, mm, on the straight line between the samples beside it.
+    fn height(&self, place: f64) -> f64 {
+        let last = self.heights.len() - 1;
+        let k = ((place - self.from) / self.step).clamp(0.0, last as f64);
+        let before = (k as usize).min(last.saturating_sub(1));
+        let (low, high) = (self.heights[before], self.heights[(before + 1).min(last)]);
+        low + (k - before as f64) * (high - low)
     }
 
     /// The farthest sample to which a chord from sample `at` keeps within [`CHORD`] of those between.
@@ -96,7 +109,12 @@ impl Way {
     }
 }
 
-/// The segments of a program as drives follow them.
+/// The nearest multiple of `step`, if that is any length.
+pub(super) fn whole(value: f64, step: f64) -> f64 {
+    if step > 0.0 { (value / step).round() * step } else { value }
+}
+
+/// The segments of a program, their ends in whole steps, as drives follow them.
 fn followed(ends: &[[f64; 2]], machine: &Machine, which: Which, samples: Samples) -> Vec<f64> {
     // On the way back the slide is behind by its play.
     let behind = if which.backward { machine.backlash_xy } else { 0.0 };
@@ -106,10 +124,11 @@ fn followed(ends: &[[f64; 2]], machine: &Machine, which: Which, samples: Samples
         while segment + 1 < ends.len() && ends[segment][0] < x {
             segment += 1;
         }
-        let ([x0, z0], [x1, z1]) = (ends[segment - 1], ends[segment.min(ends.len() - 1)]);
+        let [[x0, z0], [x1, z1]] =
+            [ends[segment - 1], ends[segment.min(ends.len() - 1)]].map(|[x, z]| [x, whole(z, machine.step)]);
         let share = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
         let z = z0 + share * (z1 - z0);
-        if machine.step > 0.0 { (z / machine.step).round() * machine.step } else { z }
+        whole(z, machine.step)
     });
     let heights: Vec<f64> = heights.collect();
     smoothed(&heights, machine.smoothing / samples.step)

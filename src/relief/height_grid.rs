@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::progress::{Cancelled, Progress};
+
 /// Heights at the nodes of a rectilinear grid; each square is cut along one of its diagonals into two triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightGrid {
@@ -19,14 +21,18 @@ pub struct HeightGrid {
 impl HeightGrid {
     /// Nodes over the grid lines `x` and `y`, `heights` in rows of constant y; every square is cut along its higher
     /// diagonal.
-    pub fn new(x: Vec<f64>, y: Vec<f64>, heights: Vec<f64>) -> Self {
+    pub fn new(x: Vec<f64>, y: Vec<f64>, heights: Vec<f64>, progress: &Progress) -> Result<Self, Cancelled> {
         assert_eq!(heights.len(), x.len() * y.len(), "one height a node");
         let columns = x.len() - 1;
-        let rising = (0..columns * (y.len() - 1)).map(|k| {
-            let at = k / columns * x.len() + k % columns;
-            rises([heights[at], heights[at + 1], heights[at + x.len()], heights[at + x.len() + 1]])
-        });
-        Self { rising: rising.collect(), x, y, heights }
+        let mut rising = Vec::with_capacity(columns * (y.len() - 1));
+        for j in 0..y.len() - 1 {
+            progress.check()?;
+            rising.extend(
+                (j * x.len()..j * x.len() + columns)
+                    .map(|at| rises([heights[at], heights[at + 1], heights[at + x.len()], heights[at + x.len() + 1]])),
+            );
+        }
+        Ok(Self { rising, x, y, heights })
     }
 
     /// Lowest and highest node, mm.
@@ -68,7 +74,13 @@ mod tests {
         assert!(rises([1.0, 0.0, 0.0, 1.0]) && !rises([0.0, 1.0, 1.0, 0.0]));
         assert!(!rises([0.0, 0.25, 0.5, 0.75]), "a plane square counts as falling");
         // Two by one squares: a saddle, then one lower corner.
-        let grid = HeightGrid::new(vec![0.0, 1.0, 2.0], vec![0.0, 3.0], vec![1.0, 0.0, 1.0, 0.0, 1.0, 1.0]);
+        let grid = HeightGrid::new(
+            vec![0.0, 1.0, 2.0],
+            vec![0.0, 3.0],
+            vec![1.0, 0.0, 1.0, 0.0, 1.0, 1.0],
+            &Progress::silent(),
+        )
+        .unwrap();
         assert_eq!(grid.rising, [true, false]);
         assert_eq!((grid.height_range(), grid.area()), ((0.0, 1.0), (DVec2::ZERO, DVec2::new(2.0, 3.0))));
     }

@@ -28,6 +28,14 @@ impl Mesh {
         })
     }
 
+    /// The same with the lower left corner of its optical area, which begins `margin` mm inside its box, at x = y = 0.
+    pub fn at_optical_corner(&self, margin: f64) -> Self {
+        let (low, _) = self.bounds();
+        let [x, y] = [low.x + margin, low.y + margin];
+        let moved = |[a, b, c]: &[f32; 3]| [(f64::from(*a) - x) as f32, (f64::from(*b) - y) as f32, *c];
+        Self { vertices: self.vertices.iter().map(moved).collect(), triangles: self.triangles.clone() }
+    }
+
     /// The part that stands on the box around all vertices less `margin` mm on each side, if no other part that faces up
     /// is higher than the lowest of it: nothing is then left out that could shade it. It is open where it was cut off.
     pub fn without_rim(&self, margin: f64) -> Option<Self> {

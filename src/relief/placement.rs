@@ -117,6 +117,7 @@ pub fn scaled(mesh: Mesh, factor: f64) -> Mesh {
 mod tests {
     use super::*;
     use crate::export::solid::solid;
+    use crate::progress::Progress;
     use crate::relief::faceted::{Facet, FacetedRelief};
     use crate::slope::Slope;
     use glam::{DVec2, DVec3};
@@ -128,7 +129,7 @@ mod tests {
             Facet { height: 1.0 + 0.1 * f64::from(k % 5), slope }
         });
         let relief = FacetedRelief::uniform(9, 9, DVec2::new(20.0, 30.0), facets.collect());
-        solid(&if border > 0.0 { relief.with_rim(border) } else { relief }, 3.0).unwrap()
+        solid(&if border > 0.0 { relief.with_rim(border) } else { relief }, 3.0, &Progress::silent()).unwrap()
     }
 
     #[test]
@@ -171,7 +172,7 @@ mod tests {
     fn a_block_has_no_relief_and_a_factor_scales() {
         let flat =
             FacetedRelief::uniform(1, 1, DVec2::splat(25.4), vec![Facet { height: 0.0, slope: Slope::default() }]);
-        let block = solid(&flat, 2.0).unwrap();
+        let block = solid(&flat, 2.0, &Progress::silent()).unwrap();
         assert_eq!(relief_side(&block), None);
         assert_eq!(relief_side(&Mesh::default()), None);
         let inches = scaled(block.clone(), 1.0 / 25.4);

@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use super::faceted::{Facet, FacetedRelief};
 use super::height_grid::HeightGrid;
 use super::mesh::Mesh;
+use crate::progress::{Cancelled, Progress};
 use crate::slope::Slope;
 
 /// What a mesh was found to be.
@@ -32,24 +33,30 @@ const UPRIGHT: f64 = 1e-3;
 /// The relief on a grid that the upper side of `mesh` is, if it is one; steps of rounding height are closed.
 ///
 /// The optical area is all of it. Time grows as that of sorting the triangles.
-pub fn recognise(mesh: &Mesh) -> Option<Recognised> {
+pub fn recognise(mesh: &Mesh, progress: &Progress) -> Result<Option<Recognised>, Cancelled> {
     if mesh.vertices.iter().flatten().any(|c| !c.is_finite())
         || mesh.triangles.iter().flatten().any(|&v| v as usize >= mesh.vertices.len())
     {
-        return None;
+        return Ok(None);
     }
     let (low, high) = mesh.bounds();
-    // Inside out, the base would pass for the relief.
-    if (0..mesh.triangles.len()).map(|k| six_volumes(mesh, k, low)).sum::<f64>() < 0.0 {
-        return None;
+    let (mut volume, mut up) = (0.0, Vec::new());
+    for some in progress.stretches(mesh.triangles.len()) {
+        for k in some? {
+            volume += six_volumes(mesh, k, low);
+            up.extend(faces_up(mesh, k).then_some(k));
+        }
     }
-    let up: Vec<usize> = (0..mesh.triangles.len()).filter(|&k| faces_up(mesh, k)).collect();
-    let x = free_lines(mesh, &up, 0)?;
-    let y = free_lines(mesh, &up, 1)?;
+    // Inside out, the base would pass for the relief.
+    if volume < 0.0 {
+        return Ok(None);
+    }
+    let Some(x) = free_lines(mesh, &up, 0, progress)? else { return Ok(None) };
+    let Some(y) = free_lines(mesh, &up, 1, progress)? else { return Ok(None) };
     let ends = |lines: &[f64], axis: usize| lines[0] == low[axis] && lines[lines.len() - 1] == high[axis];
-    let cells = (x.len() - 1).checked_mul(y.len() - 1)?;
-    if cells > up.len() || !ends(&x, 0) || !ends(&y, 1) {
-        return None;
+    let cells = (x.len() - 1).checked_mul(y.len() - 1);
+    if cells.is_none_or(|cells| cells > up.len()) || !ends(&x, 0) || !ends(&y, 1) {
+        return Ok(None);
     }
     let interval = |lines: &[f64], at: f64| lines.partition_point(|&line| line <= at).clamp(1, lines.len() - 1) - 1;
     let cell_of = |k: usize| {
@@ -57,10 +64,25 @@ pub fn recognise(mesh: &Mesh) -> Option<Recognised> {
         let middle = (a + b + c) / 3.0;
         interval(&y, middle.y) * (x.len() - 1) + interval(&x, middle.x)
     };
-    let homes: Vec<u32> = up.iter().map(|&k| cell_of(k) as u32).collect();
-    facets(mesh, &up, &homes, &x, &y)
-        .map(Recognised::Facets)
-        .or_else(|| nodes(mesh, &up, &homes, &x, &y).map(Recognised::Heights))
+    let mut homes = Vec::with_capacity(up.len());
+    for some in progress.stretches(up.len()) {
+        homes.extend(up[some?].iter().map(|&k| cell_of(k) as u32));
+    }
+    let side = UpperSide { mesh, up, homes, x, y };
+    if let Some(facets) = side.facets(progress)? {
+        return Ok(Some(Recognised::Facets(facets)));
+    }
+    Ok(side.nodes(progress)?.map(Recognised::Heights))
+}
+
+/// The triangles of a mesh that face up, and the grid that they may stand on.
+struct UpperSide<'a> {
+    mesh: &'a Mesh,
+    up: Vec<usize>,
+    /// The rectangle of each of them.
+    homes: Vec<u32>,
+    x: Vec<f64>,
+    y: Vec<f64>,
 }
 
 /// Six times the volume between `origin` and triangle `k`, positive where it is seen from inside.
@@ -76,21 +98,35 @@ fn faces_up(mesh: &Mesh, k: usize) -> bool {
 }
 
 /// All coordinates along `axis` that no triangle reaches across.
-fn free_lines(mesh: &Mesh, up: &[usize], axis: usize) -> Option<Vec<f64>> {
+fn free_lines(mesh: &Mesh, up: &[usize], axis: usize, progress: &Progress) -> Result<Option<Vec<f64>>, Cancelled> {
     let span = |k: usize| {
         let along = mesh.triangles[k].map(|v| mesh.vertices[v as usize][axis]);
         along.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), &c| (a.min(c), b.max(c)))
     };
-    let mut ends: Vec<f32> = up.iter().flat_map(|&k| <[f32; 2]>::from(span(k))).collect();
-    ends.sort_unstable_by(f32::total_cmp);
-    ends.dedup();
+    let mut ends: Vec<f32> = Vec::new();
+    let in_order = |ends: &mut Vec<f32>| {
+        ends.sort_unstable_by(f32::total_cmp);
+        ends.dedup();
+    };
+    let mut room = SORTED_AT_ONCE;
+    for some in progress.stretches(up.len()) {
+        ends.extend(up[some?].iter().flat_map(|&k| <[f32; 2]>::from(span(k))));
+        // On a grid most are alike: what is left is short, and so is each sorting.
+        if ends.len() > room {
+            in_order(&mut ends);
+            room = SORTED_AT_ONCE.max(2 * ends.len());
+        }
+    }
+    in_order(&mut ends);
     // Crossings begin after a triangle's lower end and stop at its upper one.
     let mut crossings = vec![0i32; ends.len() + 1];
     let index = |c: f32| ends.partition_point(|&end| end < c);
-    for &k in up {
-        let (from, to) = span(k);
-        crossings[index(from) + 1] += 1;
-        crossings[index(to)] -= 1;
+    for some in progress.stretches(up.len()) {
+        for &k in &up[some?] {
+            let (from, to) = span(k);
+            crossings[index(from) + 1] += 1;
+            crossings[index(to)] -= 1;
+        }
     }
     let mut open = 0;
     let free = ends.iter().zip(&crossings).filter_map(|(&at, change)| {
@@ -98,101 +134,127 @@ fn free_lines(mesh: &Mesh, up: &[usize], axis: usize) -> Option<Vec<f64>> {
         (open == 0).then_some(f64::from(at))
     });
     let lines: Vec<f64> = free.collect();
-    (lines.len() >= 2).then_some(lines)
+    Ok((lines.len() >= 2).then_some(lines))
 }
 
-fn facets(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Option<FacetedRelief> {
-    let columns = x.len() - 1;
-    // Area and its moments: gradient and height weighted by the triangles' footprints.
-    let mut sums = vec![(0.0, DVec2::ZERO); columns * (y.len() - 1)];
-    for (&k, &home) in up.iter().zip(homes) {
-        let [a, b, c] = mesh.corners(k);
-        let cross = 0.5 * (b - a).cross(c - a);
-        let sum = &mut sums[home as usize];
-        *sum = (sum.0 + cross.z, sum.1 - cross.truncate());
-    }
-    let rectangle = |home: usize| {
-        let (i, j) = (home % columns, home / columns);
-        (DVec2::new(x[i], y[j]), DVec2::new(x[i + 1], y[j + 1]))
-    };
-    let covered = sums.iter().enumerate().all(|(home, (area, _))| {
-        let (low, high) = rectangle(home);
-        let whole = (high - low).element_product();
-        (area - whole).abs() <= 1e-3 * whole
-    });
-    if !covered {
-        return None;
-    }
-    let gradient = |home: usize| sums[home].1 / sums[home].0;
-    // The height of the plane that leaves as much of the facet above as below: mean over the corners, by footprint.
-    let mut heights = vec![0.0; sums.len()];
-    let over_middle = |v: DVec3, home: usize| {
-        let (low, high) = rectangle(home);
-        v.z - gradient(home).dot(v.truncate() - 0.5 * (low + high))
-    };
-    for (&k, &home) in up.iter().zip(homes) {
-        let corners = mesh.corners(k);
-        let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).z;
-        let mean = corners.iter().map(|&v| over_middle(v, home as usize)).sum::<f64>() / 3.0;
-        heights[home as usize] += mean * area / sums[home as usize].0;
-    }
-    let rounding = rounding(mesh);
-    let flat = up.iter().zip(homes).all(|(&k, &home)| {
-        let home = home as usize;
-        let (low, high) = rectangle(home);
-        let tolerance = FLATNESS * (high - low).min_element() + rounding;
-        mesh.corners(k).iter().all(|&v| (over_middle(v, home) - heights[home]).abs() <= tolerance)
-    });
-    let facet = |home: usize| Facet { height: heights[home], slope: Slope::from_vec(gradient(home)) };
-    flat.then(|| FacetedRelief {
-        x: x.to_vec(),
-        y: y.to_vec(),
-        facets: (0..sums.len()).map(facet).collect(),
-        optical: (0..columns, 0..y.len() - 1),
-    })
-}
+/// Ends of triangles that are sorted at once, at least: some milliseconds.
+const SORTED_AT_ONCE: usize = 1 << 17;
 
-fn nodes(mesh: &Mesh, up: &[usize], homes: &[u32], x: &[f64], y: &[f64]) -> Option<HeightGrid> {
-    let columns = x.len() - 1;
-    if up.len() != 2 * columns * (y.len() - 1) {
-        return None;
+impl UpperSide<'_> {
+    fn columns(&self) -> usize {
+        self.x.len() - 1
     }
-    let rounding = rounding(mesh);
-    let mut heights = vec![f64::NAN; x.len() * y.len()];
-    // Which triangles of each square have been seen: where it falls the lower one is 1 and the upper one 2, where it
-    // rises they are 4 and 8.
-    let mut seen = vec![0u8; columns * (y.len() - 1)];
-    for (&k, &home) in up.iter().zip(homes) {
-        let (i, j) = (home as usize % columns, home as usize / columns);
-        let mut corners = 0u8;
-        for v in mesh.corners(k) {
-            let side = |at: f64, low: f64, high: f64| {
-                if at == low { Some(0) } else { (at == high).then_some(1) }
-            };
-            let (a, b) = (side(v.x, x[i], x[i + 1])?, side(v.y, y[j], y[j + 1])?);
-            corners |= 1 << (2 * b + a);
-            let height = &mut heights[(j + b) * x.len() + i + a];
-            if !height.is_nan() && (*height - v.z).abs() > rounding {
-                return None;
+
+    fn rectangle(&self, home: usize) -> (DVec2, DVec2) {
+        let (i, j) = (home % self.columns(), home / self.columns());
+        (DVec2::new(self.x[i], self.y[j]), DVec2::new(self.x[i + 1], self.y[j + 1]))
+    }
+
+    /// Calls `visit` with every triangle and its rectangle until it says that it is enough; whether it never did.
+    fn all(&self, progress: &Progress, mut visit: impl FnMut(usize, usize) -> bool) -> Result<bool, Cancelled> {
+        for some in progress.stretches(self.up.len()) {
+            if !some?.all(|k| visit(self.up[k], self.homes[k] as usize)) {
+                return Ok(false);
             }
-            *height = v.z;
         }
-        // Bits: lower left 1, lower right 2, upper left 4, upper right 8.
-        seen[home as usize] |= match corners {
-            0b0111 => 1,
-            0b1110 => 2,
-            0b1011 => 4,
-            0b1101 => 8,
-            _ => return None,
-        };
+        Ok(true)
     }
-    let rising = seen.iter().map(|&both| match both {
-        0b0011 => Some(false),
-        0b1100 => Some(true),
-        _ => None,
-    });
-    let rising = rising.collect::<Option<_>>()?;
-    Some(HeightGrid { x: x.to_vec(), y: y.to_vec(), heights, rising })
+
+    /// A plane over each rectangle, if that is what it is.
+    fn facets(&self, progress: &Progress) -> Result<Option<FacetedRelief>, Cancelled> {
+        let mesh = self.mesh;
+        // Area and its moments: gradient and height weighted by the triangles' footprints.
+        let mut sums = vec![(0.0, DVec2::ZERO); self.columns() * (self.y.len() - 1)];
+        self.all(progress, |k, home| {
+            let [a, b, c] = mesh.corners(k);
+            let cross = 0.5 * (b - a).cross(c - a);
+            let sum = &mut sums[home];
+            *sum = (sum.0 + cross.z, sum.1 - cross.truncate());
+            true
+        })?;
+        let covered = sums.iter().enumerate().all(|(home, (area, _))| {
+            let (low, high) = self.rectangle(home);
+            let whole = (high - low).element_product();
+            (area - whole).abs() <= 1e-3 * whole
+        });
+        if !covered {
+            return Ok(None);
+        }
+        let gradient = |home: usize| sums[home].1 / sums[home].0;
+        // The height of the plane that leaves as much of the facet above as below: mean over the corners, by footprint.
+        let mut heights = vec![0.0; sums.len()];
+        let over_middle = |v: DVec3, home: usize| {
+            let (low, high) = self.rectangle(home);
+            v.z - gradient(home).dot(v.truncate() - 0.5 * (low + high))
+        };
+        self.all(progress, |k, home| {
+            let corners = mesh.corners(k);
+            let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).z;
+            let mean = corners.iter().map(|&v| over_middle(v, home)).sum::<f64>() / 3.0;
+            heights[home] += mean * area / sums[home].0;
+            true
+        })?;
+        let rounding = rounding(mesh);
+        let flat = self.all(progress, |k, home| {
+            let (low, high) = self.rectangle(home);
+            let tolerance = FLATNESS * (high - low).min_element() + rounding;
+            mesh.corners(k).iter().all(|&v| (over_middle(v, home) - heights[home]).abs() <= tolerance)
+        })?;
+        let facet = |home: usize| Facet { height: heights[home], slope: Slope::from_vec(gradient(home)) };
+        Ok(flat.then(|| FacetedRelief {
+            x: self.x.clone(),
+            y: self.y.clone(),
+            facets: (0..sums.len()).map(facet).collect(),
+            optical: (0..self.columns(), 0..self.y.len() - 1),
+        }))
+    }
+
+    /// Two triangles over each rectangle, between nodes, if that is what it is.
+    fn nodes(&self, progress: &Progress) -> Result<Option<HeightGrid>, Cancelled> {
+        let Self { mesh, x, y, .. } = self;
+        let columns = self.columns();
+        if self.up.len() != 2 * columns * (y.len() - 1) {
+            return Ok(None);
+        }
+        let rounding = rounding(mesh);
+        let mut heights = vec![f64::NAN; x.len() * y.len()];
+        // Which triangles of each square have been seen: where it falls the lower one is 1 and the upper one 2, where it
+        // rises they are 4 and 8.
+        let mut seen = vec![0u8; columns * (y.len() - 1)];
+        let between_nodes = self.all(progress, |k, home| {
+            let (i, j) = (home % columns, home / columns);
+            let mut corners = 0u8;
+            for v in mesh.corners(k) {
+                let side = |at: f64, low: f64, high: f64| {
+                    if at == low { Some(0) } else { (at == high).then_some(1) }
+                };
+                let (Some(a), Some(b)) = (side(v.x, x[i], x[i + 1]), side(v.y, y[j], y[j + 1])) else { return false };
+                corners |= 1 << (2 * b + a);
+                let height = &mut heights[(j + b) * x.len() + i + a];
+                if !height.is_nan() && (*height - v.z).abs() > rounding {
+                    return false;
+                }
+                *height = v.z;
+            }
+            // Bits: lower left 1, lower right 2, upper left 4, upper right 8.
+            let triangle = match corners {
+                0b0111 => 1,
+                0b1110 => 2,
+                0b1011 => 4,
+                0b1101 => 8,
+                _ => 0,
+            };
+            seen[home] |= triangle;
+            triangle > 0
+        })?;
+        let rising = seen.iter().map(|&both| match both {
+            0b0011 => Some(false),
+            0b1100 => Some(true),
+            _ => None,
+        });
+        let rising = if between_nodes { rising.collect::<Option<_>>() } else { None };
+        Ok(rising.map(|rising| HeightGrid { x: x.clone(), y: y.clone(), heights, rising }))
+    }
 }
 
 /// What single precision may have moved a vertex by, mm.
@@ -207,6 +269,10 @@ mod tests {
     use rand_xoshiro::Xoshiro256PlusPlus;
 
     use super::*;
+
+    fn known(mesh: &Mesh) -> Option<Recognised> {
+        recognise(mesh, &Progress::silent()).unwrap()
+    }
 
     /// Heights `z` at the crossings; square k, counted along the rows, is cut upward to the right where `rises` says so.
     fn triangles_of_squares(
@@ -241,10 +307,10 @@ mod tests {
             let mesh = triangles_of_squares(&x, &y, |i, j| heights[5 * j + i], rises);
             let rising = (0..8).map(rises).collect();
             let expected = HeightGrid { x: x.to_vec(), y: y.to_vec(), heights: heights.clone(), rising };
-            assert_eq!(recognise(&mesh), Some(Recognised::Heights(expected)), "cuts {cuts}");
+            assert_eq!(known(&mesh), Some(Recognised::Heights(expected)), "cuts {cuts}");
             let mut torn = mesh.clone();
             torn.triangles.pop();
-            assert_eq!(recognise(&torn), None);
+            assert_eq!(known(&torn), None);
         }
     }
 
@@ -253,7 +319,7 @@ mod tests {
         let (x, y) = ([0.0, 1.0, 2.0], [0.0, 1.0]);
         let [falling, rising] = [false, true].map(|rises| {
             let mesh = triangles_of_squares(&x, &y, |i, j| [[0.0, 0.3, 0.1], [0.5, 0.1, 0.4]][j][i], |_| rises);
-            assert!(matches!(recognise(&mesh), Some(Recognised::Heights(_))));
+            assert!(matches!(known(&mesh), Some(Recognised::Heights(_))));
             mesh
         });
         // The first square's triangles are any two of its four; those of one cut are the whole square.
@@ -261,7 +327,7 @@ mod tests {
         for (k, l) in (0..16).map(|pair| (pair % 4, pair / 4)) {
             let mut mesh = falling.clone();
             (mesh.triangles[0], mesh.triangles[1]) = (four[k], four[l]);
-            assert_eq!(recognise(&mesh).is_some(), k != l && k / 2 == l / 2, "{k} {l}");
+            assert_eq!(known(&mesh).is_some(), k != l && k / 2 == l / 2, "{k} {l}");
         }
     }
 
@@ -269,7 +335,7 @@ mod tests {
     fn one_plane_cut_into_a_grid_is_facets_of_that_plane() {
         let (x, y) = ([0.0, 1.0, 2.0, 3.0], [0.0, 2.0, 4.0]);
         let mesh = triangles_of_squares(&x, &y, |i, j| 1.0 + 0.25 * x[i] - 0.125 * y[j], |_| true);
-        let Some(Recognised::Facets(relief)) = recognise(&mesh) else { panic!("not recognised") };
+        let Some(Recognised::Facets(relief)) = known(&mesh) else { panic!("not recognised") };
         assert_eq!((relief.columns(), relief.rows()), (3, 2));
         assert!(relief.facets.iter().all(|f| (f.slope.to_vec() - DVec2::new(0.25, -0.125)).length() < 1e-6));
         assert!((relief.facet(0, 0).height - 1.0).abs() < 1e-6);
@@ -277,10 +343,10 @@ mod tests {
 
     #[test]
     fn what_is_no_grid_is_not_taken_for_one() {
-        assert_eq!(recognise(&Mesh::default()), None);
+        assert_eq!(known(&Mesh::default()), None);
         let mut tent = triangles_of_squares(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], |i, j| (i + j) as f64 * 0.1, |_| false);
         // The middle vertex off its place: the lines there are crossed.
         tent.vertices[4] = [1.2, 0.9, 0.7];
-        assert_eq!(recognise(&tent), None);
+        assert_eq!(known(&tent), None);
     }
 }

@@ -99,6 +99,7 @@ mod tests {
     use super::super::recognise::{Recognised, recognise};
     use super::*;
     use crate::export::sheet::sheet_solid;
+    use crate::progress::Progress;
 
     fn sheet() -> PeriodicRelief {
         let heights = (0..64).map(|k| ((k * 37 % 64) as f32) / 200.0).collect();
@@ -109,11 +110,13 @@ mod tests {
     fn a_sheet_comes_back_from_its_file_with_its_tilt() {
         for border in [0.0, 1.5] {
             let sheet = sheet();
-            let mesh = sheet_solid(&sheet, 3.0, border).unwrap();
+            let mesh = sheet_solid(&sheet, 3.0, border, &Progress::silent()).unwrap();
             let (low, high) = mesh.bounds();
             let optical = (low.truncate() + border, high.truncate() - border);
             let upper = within(&mesh, optical.0, optical.1);
-            let Some(Recognised::Heights(grid)) = recognise(&upper) else { panic!("not recognised") };
+            let Some(Recognised::Heights(grid)) = recognise(&upper, &Progress::silent()).unwrap() else {
+                panic!("not recognised")
+            };
             let found = repeated(&grid, optical.0, optical.1, [3, 2]).unwrap();
             assert_eq!((found.nodes, found.cells), (8, [3, 2]));
             assert!((found.tilt.to_vec() - sheet.tilt.to_vec()).length() < 1e-6);

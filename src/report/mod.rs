@@ -20,6 +20,8 @@ pub mod measure;
 
 pub mod verify;
 
+pub mod mill;
+
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

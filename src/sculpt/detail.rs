@@ -55,30 +55,33 @@ impl Detail {
 /// `changed` returns, for smoothed heights of its cell, the total variation between their light and that of the heights as
 /// they are; [`SEEN`] is the limit. It is called about ten times. `None` if the light stays the same however wide the
 /// Gaussian, as that of a plane does. Where a Gaussian as wide as one triangle already changes it, that one is returned.
-pub(crate) fn smallest_detail(relief: &PeriodicRelief, changed: impl Fn(&[f32]) -> f64) -> Option<Detail> {
+pub(crate) fn smallest_detail<E>(
+    relief: &PeriodicRelief,
+    changed: impl Fn(&[f32]) -> Result<f64, E>,
+) -> Result<Option<Detail>, E> {
     let step = relief.step().min_element();
-    let is_seen = |sigma: f64| changed(&smoothed(relief, sigma)) > SEEN;
+    let is_seen = |sigma: f64| Ok(changed(&smoothed(relief, sigma))? > SEEN);
     let (mut unseen, mut seen) = (NARROWEST * step, WIDEST * relief.cell.min_element());
-    if is_seen(unseen) {
-        return Some(Detail { sigma: unseen });
+    if is_seen(unseen)? {
+        return Ok(Some(Detail { sigma: unseen }));
     }
-    if !is_seen(seen) {
-        return None;
+    if !is_seen(seen)? {
+        return Ok(None);
     }
     for _ in 0..HALVINGS {
         let middle = (unseen * seen).sqrt();
-        if is_seen(middle) {
+        if is_seen(middle)? {
             seen = middle;
         } else {
             unseen = middle;
         }
     }
-    Some(Detail { sigma: unseen })
+    Ok(Some(Detail { sigma: unseen }))
 }
 
 /// Share of the light of `relief` that diffraction spreads by more than `blur` degrees: what changes, as `changed` says,
 /// when all that is smaller than λ/blur is smoothed away.
-pub fn diffracted(relief: &PeriodicRelief, blur: f64, changed: impl Fn(&[f32]) -> f64) -> f64 {
+pub fn diffracted<E>(relief: &PeriodicRelief, blur: f64, changed: impl Fn(&[f32]) -> Result<f64, E>) -> Result<f64, E> {
     let patch = WAVELENGTH / blur.to_radians();
     changed(&smoothed(relief, patch / WIDTH))
 }
@@ -86,6 +89,7 @@ pub fn diffracted(relief: &PeriodicRelief, blur: f64, changed: impl Fn(&[f32]) -
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
+    use std::convert::Infallible;
     use std::f64::consts::TAU;
 
     use glam::DVec2;
@@ -103,10 +107,10 @@ mod tests {
     }
 
     /// How much lower the highest point has become, as a share.
-    fn flattening(relief: &PeriodicRelief) -> impl Fn(&[f32]) -> f64 {
+    fn flattening(relief: &PeriodicRelief) -> impl Fn(&[f32]) -> Result<f64, Infallible> {
         let top = |z: &[f32]| f64::from(z.iter().copied().fold(f32::MIN, f32::max));
         let before = top(&relief.heights);
-        move |z| 1.0 - top(z) / before
+        move |z| Ok(1.0 - top(z) / before)
     }
 
     #[test]
@@ -117,7 +121,7 @@ mod tests {
             let length = 1.0 / (DVec2::new(waves_x, waves_y) / CELL).length();
             let calls = Cell::new(0);
             let flattened = flattening(&wave);
-            let detail = smallest_detail(&wave, |z| {
+            let Ok(detail) = smallest_detail(&wave, |z| {
                 calls.set(calls.get() + 1);
                 flattened(z)
             });
@@ -138,9 +142,9 @@ mod tests {
     #[test]
     fn a_plane_has_no_detail_and_single_nodes_have_the_least_there_is() {
         let flat = relief(32, |_, _| 0.3);
-        assert_eq!(smallest_detail(&flat, flattening(&flat)), None);
+        assert_eq!(smallest_detail(&flat, flattening(&flat)), Ok(None));
         let spike = relief(32, |x, y| f64::from(u8::from(x == 0.5 && y == 0.5)));
-        let least = smallest_detail(&spike, flattening(&spike)).unwrap();
+        let least = smallest_detail(&spike, flattening(&spike)).unwrap().unwrap();
         assert_eq!(least.sigma, NARROWEST * 5.0 / 32.0);
     }
 
@@ -148,7 +152,7 @@ mod tests {
     fn waves_too_short_for_the_blur_are_diffracted() {
         // At 0.01° a patch is 3.15 mm wide.
         let wave = |waves: f64| relief(64, |x, _| 0.1 * (TAU * waves * x).cos());
-        let share = |waves: f64, blur: f64| diffracted(&wave(waves), blur, flattening(&wave(waves)));
+        let share = |waves: f64, blur: f64| diffracted(&wave(waves), blur, flattening(&wave(waves))).unwrap();
         assert!(share(8.0, 0.01) > 0.99 && share(8.0, 1.0) < 0.003);
         let expected = 1.0 - (-0.5 * (TAU / 10.0 * 3.151 / WIDTH).powi(2)).exp();
         assert!((share(1.0, 0.01) - expected).abs() < 1e-3);

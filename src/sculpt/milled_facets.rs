@@ -9,7 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::cutter::Cutter;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
 
@@ -42,8 +42,8 @@ pub(crate) fn least_diameter(area: f64) -> f64 {
     LEAST_ACROSS_CUTTER * (area / MOST).sqrt()
 }
 
-/// The optical area of `relief` after `cutter` was led over the whole plate; abandoned, what nobody should use.
-pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress) -> MilledFacets {
+/// The optical area of `relief` after `cutter` was led over the whole plate.
+pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress) -> Result<MilledFacets, Cancelled> {
     let (columns, rows) = &relief.optical;
     let (low, high) = relief.optical_area();
     let facets = [columns.len(), rows.len()];
@@ -52,19 +52,18 @@ pub fn milled_facets(relief: &FacetedRelief, cutter: Cutter, progress: &Progress
     let y = Axis::new(&relief.y, low.y, step[1], intervals[1], cutter);
     let width = x.pieces.len();
     let mut z = vec![f32::NEG_INFINITY; width * y.pieces.len()];
-    z.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, row)| {
-        if progress.is_abandoned() {
-            return;
-        }
+    z.par_chunks_mut(width).enumerate().with_min_len(16).try_for_each(|(j, row)| {
         for (i, z) in row.iter_mut().enumerate() {
             *z = highest(relief, &x, &y, i, j) as f32;
         }
-    });
+        progress.check()
+    })?;
     let written = x.inner(&y, &z);
-    let cut = x.inner(&y, &milled_heights(&z, width, &x.profile, &y.profile, progress));
+    let cut = x.inner(&y, &milled_heights(&z, width, &x.profile, &y.profile, progress)?);
     let most_left = cut.iter().zip(&written).map(|(a, b)| a - b).fold(0.0, f32::max).into();
+    progress.check()?;
     let heights = cut.into_iter().map(f64::from).collect();
-    MilledFacets { surface: HeightGrid::new(x.lines(), y.lines(), heights), most_left }
+    Ok(MilledFacets { surface: HeightGrid::new(x.lines(), y.lines(), heights, progress)?, most_left })
 }
 
 /// How finely a cutter is followed over a plate of facets.
@@ -195,7 +194,7 @@ mod tests {
     #[test]
     fn a_step_ends_in_the_balls_arc() {
         // 0.25² = 0.2² + 0.15²: the ball on the floor touches the edge of a step of 0.05 mm at 0.15 mm.
-        let plate = milled_facets(&pair([0.05, 0.0], [0.0, 0.0]), BALL, &Progress::silent());
+        let plate = milled_facets(&pair([0.05, 0.0], [0.0, 0.0]), BALL, &Progress::silent()).unwrap();
         assert_profile(&plate, |x| match x - 1.0 {
             d if d < 1e-9 => 0.05,
             d if d < 0.15 => RADIUS - (RADIUS * RADIUS - (0.15 - d) * (0.15 - d)).sqrt(),
@@ -207,7 +206,7 @@ mod tests {
     fn a_groove_gets_its_fillet() {
         // Sine 0.28, cosine 0.96: the fillet reaches R sin α = 0.07 mm to either side.
         let rise = 0.28 / 0.96;
-        let plate = milled_facets(&pair([0.0, 0.0], [-rise, rise]), BALL, &Progress::silent());
+        let plate = milled_facets(&pair([0.0, 0.0], [-rise, rise]), BALL, &Progress::silent()).unwrap();
         assert_profile(&plate, |x| match (x - 1.0).abs() {
             d if d < 0.07 => RADIUS / 0.96 - (RADIUS * RADIUS - d * d).sqrt(),
             d => rise * d,
@@ -219,13 +218,13 @@ mod tests {
     fn the_plate_ends_at_its_rim() {
         // A ramp that began anew beyond the rim would have a fillet at its foot.
         let ramp = pair([0.0, 0.0], [0.3, 0.3]);
-        let bare = milled_facets(&ramp, BALL, &Progress::silent());
+        let bare = milled_facets(&ramp, BALL, &Progress::silent()).unwrap();
         assert!(bare.most_left < 1e-6);
         // A border level with the foot: half the turn of slope lies in the ramp. tan(α/2) = 0.2, and the ball that
         // touches both stands 0.05 mm before the foot.
         let rise = 0.4 / (1.0 - 0.04);
         let bordered = pair([0.0, 0.0], [rise, rise]).with_rim(1.0);
-        let cut = milled_facets(&bordered, BALL, &Progress::silent());
+        let cut = milled_facets(&bordered, BALL, &Progress::silent()).unwrap();
         assert_eq!(cut.surface.x, bare.surface.x);
         let at_foot = RADIUS - (RADIUS * RADIUS - 0.05 * 0.05).sqrt();
         assert!((cut.most_left - at_foot).abs() < 1e-6, "{} {at_foot}", cut.most_left);
@@ -236,7 +235,7 @@ mod tests {
     fn a_small_ball_on_a_large_plate_has_fewer_places() {
         let facets = vec![Facet { height: 0.0, slope: Slope::FLAT }; 12];
         let plate = FacetedRelief::uniform(4, 3, DVec2::new(400.0, 300.0), facets);
-        let coarse = milled_facets(&plate, Cutter::ball(0.2), &Progress::silent()).surface;
+        let coarse = milled_facets(&plate, Cutter::ball(0.2), &Progress::silent()).unwrap().surface;
         assert_eq!(((coarse.x.len() - 1) % 4, (coarse.y.len() - 1) % 3), (0, 0));
         let places = (coarse.x.len() * coarse.y.len()) as f64;
         assert!((0.9..1.01).contains(&(places / MOST)), "{places}");

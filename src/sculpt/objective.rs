@@ -13,7 +13,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::cutter::Cutter;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
@@ -107,17 +107,21 @@ impl Objective {
 
     /// Mills heights `z` on the tool's grid: from now on, the light of that surface less the light of the model is added
     /// to the light of any relief. Its gradient is that of the model alone.
-    pub(crate) fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) {
-        let Some(cutter) = self.settings.cutter else { return };
+    pub(crate) fn update_tool_residual(&mut self, z: &[f32], progress: &Progress) -> Result<(), Cancelled> {
+        let Some(cutter) = self.settings.cutter else { return Ok(()) };
         let relief = relief(self.lattice, z, self.tilt);
-        let milled = Tool::new(relief.cell, cutter).mill(&relief, progress).relief;
+        let milled = Tool::new(relief.cell, cutter).mill(&relief, progress)?.relief;
         let milled = polished(milled, self.settings.polish);
         let fine = Lattice::of(&milled);
         // Milled heights are known at the tool's places only, and a square of them may be cut along either diagonal.
         let light = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None);
-        let milled = light.forward(&EdgeSlopes::new(fine, &milled.heights));
+        let edges = EdgeSlopes::new(fine, &milled.heights);
+        progress.check()?;
+        let milled = light.forward(&edges);
+        progress.check()?;
         let modelled = self.light.forward(&self.edges(z));
         self.tool_residual = Some(milled.iter().zip(&modelled).map(|(a, b)| a - b).collect());
+        progress.check()
     }
 
     /// The heights, mm, of unknowns `y`, closed.
@@ -145,11 +149,15 @@ impl Objective {
     }
 
     /// The loss at `y`; its gradient goes to `gradient`.
-    pub fn loss(&self, y: &[f32], gradient: &mut [f32]) -> f64 {
+    pub fn loss(&self, y: &[f32], gradient: &mut [f32], progress: &Progress) -> Result<f64, Cancelled> {
+        progress.check()?;
         let (z, contacts) = self.closed(y);
+        progress.check()?;
         let edges = self.edges(&z);
         let (loss, potential) = self.compare(&edges);
+        progress.check()?;
         let (mut at_heights, penalty) = self.light.adjoint(&edges, &potential, self.valley_weight as f32);
+        progress.check()?;
         if let Some(gains) = &self.polish {
             self.filter.filter(&mut at_heights, self.lattice.n, gains);
         }
@@ -159,7 +167,7 @@ impl Objective {
         }
         self.filter.filter(&mut at_heights, self.lattice.n, &self.conditioner);
         gradient.copy_from_slice(&at_heights);
-        loss + self.valley_weight * penalty + depth
+        Ok(loss + self.valley_weight * penalty + depth)
     }
 
     /// E, and its gradient with respect to the light.

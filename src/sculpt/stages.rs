@@ -102,7 +102,7 @@ pub fn sculpt(
             break;
         }
         // On a worker's thread: from any other, each of the many short parallel loops would wake a worker and wait for it.
-        let mut reached = rayon::scope(|_| work.take(*step, present.clone(), share)).ok_or(TooNarrow)?;
+        let mut reached = rayon::scope(|_| work.take(*step, present.clone(), share))?;
         progress.check()?;
         if progress.is_to_finish() {
             // A step that was cut short is not done, but its relief may be better than the one before.
@@ -118,9 +118,7 @@ pub fn sculpt(
     }
     let last = present.ok_or(TooNarrow)?;
     let steps = [last.done, steps.len()];
-    let sheet = work.finished(last, steps);
-    progress.check()?;
-    Ok(sheet)
+    Ok(work.finished(last, steps)?)
 }
 
 /// The part of the whole work that a step is.
@@ -156,20 +154,21 @@ impl<'a> Work<'a> {
     }
 
     /// Takes one step of the plan.
-    fn take(&self, step: Step, before: Option<Checkpoint>, share: Share) -> Option<Checkpoint> {
+    fn take(&self, step: Step, before: Option<Checkpoint>, share: Share) -> Result<Checkpoint, SculptError> {
         let nodes = step.nodes();
         let Some(mut at) = before else { return self.tried(nodes, share) };
         let lattice = self.lattice(nodes);
         let mut z = self.resampled(&at, nodes);
+        self.progress.check()?;
         match step {
             Step::Tries { .. } => {}
             Step::Matching { rounds, .. } => self.match_slopes(lattice, &mut z, rounds, share),
-            Step::Descent { stage, .. } => z = self.descend(lattice, z, &stage, share),
+            Step::Descent { stage, .. } => z = self.descend(lattice, z, &stage, share)?,
         }
-        at.misplaced.push(self.misplaced(lattice, &z));
+        at.misplaced.push(self.misplaced(lattice, &z)?);
         at.done += 1;
         (at.nodes, at.heights) = (nodes, z);
-        Some(at)
+        Ok(at)
     }
 
     /// Heights on another grid: those of the same triangles, which keeps every slope where the old grid divides the new
@@ -186,7 +185,7 @@ impl<'a> Work<'a> {
     }
 
     /// The best of several starts on the coarse grid.
-    fn tried(&self, nodes: usize, share: Share) -> Option<Checkpoint> {
+    fn tried(&self, nodes: usize, share: Share) -> Result<Checkpoint, SculptError> {
         let lattice = self.lattice(nodes);
         let mut best: Option<(f64, Checkpoint)> = None;
         let settings = &self.sculpting.settings;
@@ -195,10 +194,10 @@ impl<'a> Work<'a> {
             let share = share.part(k, starts.len());
             let mut z = start.heights(lattice, self.plane.spread(), self.sculpting.seed);
             for (k, stage) in TRIES.iter().enumerate() {
-                z = self.descend(lattice, z, stage, share.part(k, 3));
+                z = self.descend(lattice, z, stage, share.part(k, 3))?;
             }
             self.match_slopes(lattice, &mut z, TRIAL_ROUNDS, share.part(2, 3));
-            z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3));
+            z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3))?;
             let objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
             let misplaced = objective.misplaced(&z, COMPARED_AT);
             // Light in the wrong place, on fillets and beyond the depth counts alike: what is left of each at the end
@@ -212,7 +211,7 @@ impl<'a> Work<'a> {
                 break;
             }
         }
-        best.map(|(_, at)| at)
+        Ok(best.map(|(_, at)| at).ok_or(TooNarrow)?)
     }
 
     fn objective(&self, lattice: Lattice, scale: LossScale) -> Objective {
@@ -221,37 +220,45 @@ impl<'a> Work<'a> {
         Objective::new(lattice, self.tilt, self.plane.target(bin), scale, &self.sculpting.settings)
     }
 
-    fn descend(&self, lattice: Lattice, z: Vec<f32>, stage: &Stage, share: Share) -> Vec<f32> {
+    /// The best that is reached until the stage ends, or the work is to finish.
+    fn descend(&self, lattice: Lattice, z: Vec<f32>, stage: &Stage, share: Share) -> Result<Vec<f32>, Cancelled> {
         let mut objective = self.objective(lattice, stage.scale);
+        self.progress.check()?;
         objective.set_penalties(&z, stage.concave);
+        self.progress.check()?;
         let mut y = objective.unknowns(&z);
         let largest = y.iter().fold(0.0f32, |m, v| m.max(v.abs()));
         let with_tool = stage.scale.is_fine() && self.sculpting.settings.cutter.is_some();
         let parts = if with_tool { stage.steps.div_ceil(STEPS_PER_RESIDUAL) } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / parts, memory: MEMORY, tolerance: TOLERANCE, first_move };
+        // What is cut short leaves `y` at the best so far.
+        let cut_short = self.progress.until_finish();
         for part in 0..parts {
-            if self.progress.is_to_finish() {
+            if cut_short.is_abandoned()
+                || with_tool && objective.update_tool_residual(&objective.relief(&y), &cut_short).is_err()
+            {
                 break;
             }
-            if with_tool {
-                objective.update_tool_residual(&objective.relief(&y), self.progress);
-            }
             let share = share.part(part, parts);
-            minimise(
+            let descended = minimise(
                 &mut y,
                 &settings,
                 |y, gradient| {
                     self.progress.offer_relief(|| self.so_far(lattice, objective.relief(y)));
-                    objective.loss(y, gradient)
+                    objective.loss(y, gradient, &cut_short)
                 },
                 |step| {
                     self.progress.fraction(share.from + share.whole * step as f64 / settings.steps as f64);
                     !self.progress.is_to_finish()
                 },
             );
+            if descended.is_err() {
+                break;
+            }
         }
-        objective.relief(&y)
+        self.progress.check()?;
+        Ok(objective.relief(&y))
     }
 
     fn so_far(&self, lattice: Lattice, heights: Vec<f32>) -> SheetSoFar {
@@ -265,14 +272,14 @@ impl<'a> Work<'a> {
         self.progress.fraction(share.from + share.whole);
     }
 
-    fn misplaced(&self, lattice: Lattice, z: &[f32]) -> f64 {
+    fn misplaced(&self, lattice: Lattice, z: &[f32]) -> Result<f64, Cancelled> {
         let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.update_tool_residual(z, self.progress);
-        objective.misplaced(z, COMPARED_AT)
+        objective.update_tool_residual(z, self.progress)?;
+        Ok(objective.misplaced(z, COMPARED_AT))
     }
 
     /// The relief as it is written.
-    fn finished(&self, at: Checkpoint, steps: [usize; 2]) -> Sheet {
+    fn finished(&self, at: Checkpoint, steps: [usize; 2]) -> Result<Sheet, Cancelled> {
         let SheetSpec { cell, cells, grid, settings, .. } = *self.sculpting;
         let lattice = self.lattice(grid);
         let z = self.resampled(&at, grid);
@@ -283,11 +290,8 @@ impl<'a> Work<'a> {
             // raised for them may be too high for the tool on its grid, and so on.
             let finer = Tool::without_steps(cell, grid, cutter);
             for _ in 0..FILLINGS {
-                if self.progress.is_abandoned() {
-                    break;
-                }
-                tool.fill(&mut relief, CLEARANCE, self.progress);
-                if !finer.fill(&mut relief, CLEARANCE, self.progress) {
+                tool.fill(&mut relief, CLEARANCE, self.progress)?;
+                if !finer.fill(&mut relief, CLEARANCE, self.progress)? {
                     break;
                 }
             }
@@ -297,7 +301,7 @@ impl<'a> Work<'a> {
         let mean = (relief.heights.iter().map(|v| f64::from(*v)).sum::<f64>() / relief.heights.len() as f64) as f32;
         relief.heights.iter_mut().for_each(|v| *v -= mean);
         relief.cells = cells;
-        Sheet { relief, start: at.start, misplaced: at.misplaced, fillets, steps }
+        Ok(Sheet { relief, start: at.start, misplaced: at.misplaced, fillets, steps })
     }
 }
 

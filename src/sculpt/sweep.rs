@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 
 /// Part of a cutter's profile along one axis: steps aside from the tip, and minus the height of the underside there, mm.
 pub(crate) type Profile = [(isize, f32)];
@@ -15,17 +15,16 @@ pub(crate) type Profile = [(isize, f32)];
 /// What a cutter leaves of the heights `z`, rows of `width` places: its path first, then the surface below it.
 ///
 /// `along_x` and `along_y` are the profile along rows and columns. Rows and columns continue into themselves.
-/// Abandoned, it returns at once what nobody should use.
 pub(crate) fn milled_heights(
     z: &[f32],
     width: usize,
     along_x: &Profile,
     along_y: &Profile,
     progress: &Progress,
-) -> Vec<f32> {
-    let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress);
-    z = swept_across_rows(&z, width, along_y, Sweep::Path, progress);
-    z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress);
+) -> Result<Vec<f32>, Cancelled> {
+    let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress)?;
+    z = swept_across_rows(&z, width, along_y, Sweep::Path, progress)?;
+    z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress)?;
     swept_across_rows(&z, width, along_y, Sweep::Surface, progress)
 }
 
@@ -38,34 +37,44 @@ enum Sweep {
     Surface,
 }
 
-fn swept_along_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
+fn swept_along_rows(
+    z: &[f32],
+    width: usize,
+    profile: &Profile,
+    sweep: Sweep,
+    progress: &Progress,
+) -> Result<Vec<f32>, Cancelled> {
     let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
     let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(width).zip(z.par_chunks(width)).with_min_len(16).for_each_init(
+    out.par_chunks_mut(width).zip(z.par_chunks(width)).with_min_len(16).try_for_each_init(
         Vec::new,
         |around, (out, row)| {
-            if progress.is_abandoned() {
-                return;
-            }
+            progress.check()?;
             around.clear();
             around.extend((0..width + 2 * reach).map(|k| row[(k + reach * (width - 1)) % width]));
             sweep.line(out, profile, |aside| &around[reach.wrapping_add_signed(aside)..][..width]);
+            Ok(())
         },
-    );
-    out
+    )?;
+    Ok(out)
 }
 
-fn swept_across_rows(z: &[f32], width: usize, profile: &Profile, sweep: Sweep, progress: &Progress) -> Vec<f32> {
+fn swept_across_rows(
+    z: &[f32],
+    width: usize,
+    profile: &Profile,
+    sweep: Sweep,
+    progress: &Progress,
+) -> Result<Vec<f32>, Cancelled> {
     let rows = (z.len() / width) as isize;
     let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(width).enumerate().with_min_len(16).for_each(|(j, out)| {
-        if progress.is_abandoned() {
-            return;
-        }
+    out.par_chunks_mut(width).enumerate().with_min_len(16).try_for_each(|(j, out)| {
+        progress.check()?;
         let row = |aside: isize| (j as isize + aside).rem_euclid(rows) as usize;
         sweep.line(out, profile, |aside| &z[row(aside) * width..][..width]);
-    });
-    out
+        Ok(())
+    })?;
+    Ok(out)
 }
 
 impl Sweep {

@@ -13,7 +13,7 @@
 use glam::DVec2;
 
 use crate::cutter::Cutter;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::raster::bilinear_weights;
 use crate::relief::periodic::PeriodicRelief;
 
@@ -93,13 +93,18 @@ impl Tool {
         (self.places as f64).powi(2)
     }
 
-    /// One cell of `relief` as the cutter leaves it; of no use if the work is abandoned meanwhile.
-    pub fn mill(&self, relief: &PeriodicRelief, progress: &Progress) -> Milled {
+    /// One cell of `relief` as the cutter leaves it.
+    pub fn mill(&self, relief: &PeriodicRelief, progress: &Progress) -> Result<Milled, Cancelled> {
         self.mill_below(relief, f32::INFINITY, progress)
     }
 
     /// The same, where rises of `cliff` mm or more from one place to the next are no part of the relief.
-    pub(super) fn mill_below(&self, relief: &PeriodicRelief, cliff: f32, progress: &Progress) -> Milled {
+    pub(super) fn mill_below(
+        &self,
+        relief: &PeriodicRelief,
+        cliff: f32,
+        progress: &Progress,
+    ) -> Result<Milled, Cancelled> {
         let n = self.places;
         let written = sampled(relief, n);
         let step = relief.cell / n as f64;
@@ -109,10 +114,10 @@ impl Tool {
         };
         let along_x = self.profile((0..n * n).map(|k| rise(k, k / n * n + (k + 1) % n)), step.x, relief.tilt.p);
         let along_y = self.profile((0..n * n).map(|k| rise(k, (k + n) % (n * n))), step.y, relief.tilt.q);
-        let z = milled_heights(&written, n, &along_x, &along_y, progress);
+        let z = milled_heights(&written, n, &along_x, &along_y, progress)?;
         let left = z.iter().zip(&written).map(|(a, b)| a - b).collect();
         let relief = PeriodicRelief { nodes: n, heights: z, cell: relief.cell, cells: [1, 1], tilt: relief.tilt };
-        Milled { relief, left }
+        Ok(Milled { relief, left })
     }
 
     /// The part of the profile that can touch a relief which rises by `rises` mm from place to place, `step` mm apart,
@@ -144,15 +149,12 @@ impl Tool {
     /// About one node in a thousand needs it, in a few rounds. Where nodes lie far apart for the cutter, a valley is filled
     /// slowly: its ends must rise by many times as much as the machined surface comes down. After [`PATIENCE`] rounds they
     /// are raised by half of that: a sheet of 16 nodes in 30 mm for a ball of 1 mm did not end within a hundred rounds before.
-    pub(crate) fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> bool {
+    pub(crate) fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> Result<bool, Cancelled> {
         const ROUNDS: usize = 100;
         let (n, places) = (relief.nodes, self.places);
         let half_of_the_way = (0.5 * self.rise_for_clearance(relief, most)).max(1.0);
         for round in 0..ROUNDS {
-            let milled = self.mill(relief, progress);
-            if progress.is_abandoned() {
-                return false;
-            }
+            let milled = self.mill(relief, progress)?;
             let stride = if round < PATIENCE { 1.0 } else { half_of_the_way };
             let mut raise = vec![0.0f32; n * n];
             for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
@@ -166,11 +168,11 @@ impl Tool {
                 }
             }
             if raise.iter().all(|v| *v == 0.0) {
-                return round > 0;
+                return Ok(round > 0);
             }
             relief.heights.iter_mut().zip(&raise).for_each(|(z, v)| *z += v);
         }
-        true
+        Ok(true)
     }
 }
 
@@ -200,7 +202,7 @@ mod tests {
         // Slopes ±0.2 about the tilt, 0.1: at the bottom of the valley the ball stays R s²/2 above it, a little less
         // where its slopes are steeper.
         let roof = relief(40, |x, _| 0.4 * (x - 0.5).abs());
-        let cut = Tool { cutter: Cutter::ball(0.5), places: 400 }.mill(&roof, &Progress::silent());
+        let cut = Tool { cutter: Cutter::ball(0.5), places: 400 }.mill(&roof, &Progress::silent()).unwrap();
         assert!((cut.most_left() / (0.25 * 0.04 / 2.0) - 1.0).abs() < 0.03, "{}", cut.most_left());
         assert!((f64::from(cut.relief.heights[0]) - 0.2).abs() < 1e-6);
         assert_eq!((cut.relief.tilt, cut.relief.cells), (roof.tilt, [1, 1]));
@@ -210,7 +212,7 @@ mod tests {
     fn the_sweeps_are_those_of_whole_balls() {
         let rough = relief(12, |x, y| ((x * 91.0 + y * 57.0).sin() * 43.0).fract() * 0.02);
         let (n, radius) = (24, 0.6);
-        let cut = Tool { cutter: Cutter::ball(2.0 * radius), places: n }.mill(&rough, &Progress::silent());
+        let cut = Tool { cutter: Cutter::ball(2.0 * radius), places: n }.mill(&rough, &Progress::silent()).unwrap();
         let step = rough.cell / n as f64;
         let z = sampled(&rough, n);
         // Steps from a place to another, the short way round.
@@ -237,9 +239,9 @@ mod tests {
         let mut rough = relief(40, |x, y| 0.05 * (x - 0.5).abs() + 0.002 * (9.0 * y).sin().max(0.7));
         let tool = Tool::new(rough.cell, Cutter::ball(0.5));
         let before = rough.clone();
-        assert!(tool.mill(&rough, &Progress::silent()).most_left() > 2e-4);
-        tool.fill(&mut rough, 2e-4, &Progress::silent());
-        assert!(tool.mill(&rough, &Progress::silent()).most_left() <= 2e-4);
+        assert!(tool.mill(&rough, &Progress::silent()).unwrap().most_left() > 2e-4);
+        tool.fill(&mut rough, 2e-4, &Progress::silent()).unwrap();
+        assert!(tool.mill(&rough, &Progress::silent()).unwrap().most_left() <= 2e-4);
         assert!(rough.heights.iter().zip(&before.heights).all(|(a, b)| a >= b));
     }
 }

@@ -10,6 +10,8 @@
 
 use glam::DVec3;
 
+use crate::progress::{Cancelled, Progress};
+
 /// The steepnesses for which bounds are kept, dz over horizontal way: within 18°, 45° and 76° of the normal.
 const STEEPNESS: [f64; 3] = [3.0, 1.0, 0.25];
 
@@ -22,17 +24,25 @@ pub(crate) struct EscapeBounds {
 impl EscapeBounds {
     /// From the highest point of each cell, rows of `columns`, and the shortest way across a cell. `periodic` grids
     /// continue into themselves.
-    pub fn new(tops: &[f64], columns: usize, pitch: f64, periodic: bool) -> Self {
+    pub fn new(
+        tops: &[f64],
+        columns: usize,
+        pitch: f64,
+        periodic: bool,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let mut bounds = vec![[0.0; STEEPNESS.len()]; tops.len()];
         for (k, steepness) in STEEPNESS.iter().enumerate() {
-            let fallen = fall(tops, columns, steepness * pitch, periodic);
-            for (index, bound) in bounds.iter_mut().enumerate() {
-                let around = neighbours(index, columns, tops.len() / columns, periodic, &ALL);
-                let highest = around.map(|n| fallen[n]).fold(f64::NEG_INFINITY, f64::max);
-                bound[k] = (highest as f32).next_up();
+            let fallen = fall(tops, columns, steepness * pitch, periodic, progress)?;
+            for some in progress.stretches(tops.len()) {
+                for index in some? {
+                    let around = neighbours(index, columns, tops.len() / columns, periodic, &ALL);
+                    let highest = around.map(|n| fallen[n]).fold(f64::NEG_INFINITY, f64::max);
+                    bounds[index][k] = (highest as f32).next_up();
+                }
             }
         }
-        Self { bounds }
+        Ok(Self { bounds })
     }
 
     /// Memory, bytes.
@@ -63,7 +73,7 @@ const AFTER: [(isize, isize); 4] = [(1, 1), (0, 1), (-1, 1), (1, 0)];
 const ALL: [(isize, isize); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 1), (0, 1), (-1, 1), (1, 0)];
 
 /// The highest of: each cell's own top, and every other's less `drop` for each step of a chess king between them.
-fn fall(tops: &[f64], columns: usize, drop: f64, periodic: bool) -> Vec<f64> {
+fn fall(tops: &[f64], columns: usize, drop: f64, periodic: bool, progress: &Progress) -> Result<Vec<f64>, Cancelled> {
     let rows = tops.len() / columns;
     let mut heights = tops.to_vec();
     let mut settled = false;
@@ -77,11 +87,15 @@ fn fall(tops: &[f64], columns: usize, drop: f64, periodic: bool) -> Vec<f64> {
             settled &= highest == heights[index];
             heights[index] = highest;
         };
-        (0..tops.len()).for_each(|index| sweep(index, &BEFORE));
-        (0..tops.len()).rev().for_each(|index| sweep(index, &AFTER));
+        for some in progress.stretches(tops.len()) {
+            some?.for_each(|index| sweep(index, &BEFORE));
+        }
+        for some in progress.stretches(tops.len()) {
+            some?.for_each(|index| sweep(tops.len() - 1 - index, &AFTER));
+        }
         settled |= !periodic;
     }
-    heights
+    Ok(heights)
 }
 
 fn neighbours(
@@ -115,7 +129,7 @@ mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(4);
         for (columns, rows, periodic) in [(9, 7, false), (7, 5, true), (1, 6, false), (1, 1, false)] {
             let tops: Vec<f64> = (0..columns * rows).map(|_| 3.0 * random.random::<f64>().powi(3)).collect();
-            let bounds = EscapeBounds::new(&tops, columns, 0.5, periodic);
+            let bounds = EscapeBounds::new(&tops, columns, 0.5, periodic, &Progress::silent()).unwrap();
             for (index, level) in (0..tops.len()).flat_map(|index| (0..STEEPNESS.len()).map(move |k| (index, k))) {
                 let apart = |a: usize, b: usize, n: usize| {
                     let d = a.abs_diff(b);

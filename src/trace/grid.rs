@@ -11,6 +11,7 @@ use super::escape_bounds::EscapeBounds;
 use super::grid_lines::GridLines;
 use super::height_field::{FacetPlanes, HeightField, NodeTriangles, Stretch};
 use super::{Hit, PieceKind, Surface};
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
 
@@ -82,48 +83,50 @@ enum Side {
 
 impl GridSurface<FacetPlanes> {
     /// The facets of `relief` and the walls between them.
-    pub fn new(relief: &FacetedRelief) -> Self {
-        Self::over(
-            GridLines::new(&relief.x),
-            GridLines::new(&relief.y),
-            FacetPlanes::new(relief),
-            relief.height_range(),
-            false,
-        )
-        .lit_within(relief.optical_area())
+    pub fn new(relief: &FacetedRelief, progress: &Progress) -> Result<Self, Cancelled> {
+        let (x, y) = (GridLines::new(&relief.x), GridLines::new(&relief.y));
+        let planes = FacetPlanes::new(relief, progress)?;
+        let surface = Self::over((x, y), planes, relief.height_range(), false, progress)?;
+        Ok(surface.lit_within(relief.optical_area()))
     }
 
     /// The same relief repeated without end in both directions, walls where plate meets plate.
-    pub fn panel(relief: &FacetedRelief) -> Self {
-        Self::new(relief).endless()
+    pub fn panel(relief: &FacetedRelief, progress: &Progress) -> Result<Self, Cancelled> {
+        Self::new(relief, progress)?.endless(progress)
     }
 }
 
 impl GridSurface<NodeTriangles> {
     /// The triangles of a sheet.
-    pub fn continuous(grid: &HeightGrid) -> Self {
-        Self::over(
-            GridLines::new(&grid.x),
-            GridLines::new(&grid.y),
-            NodeTriangles::new(grid),
-            grid.height_range(),
-            false,
-        )
+    pub fn continuous(grid: &HeightGrid, progress: &Progress) -> Result<Self, Cancelled> {
+        let (x, y) = (GridLines::new(&grid.x), GridLines::new(&grid.y));
+        Self::over((x, y), NodeTriangles::new(grid), grid.height_range(), false, progress)
     }
 }
 
 impl<F: HeightField> GridSurface<F> {
-    fn over(x: GridLines, y: GridLines, field: F, heights: (f64, f64), periodic: bool) -> Self {
+    fn over(
+        (x, y): (GridLines, GridLines),
+        field: F,
+        heights: (f64, f64),
+        periodic: bool,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let columns = x.intervals();
-        let tops: Vec<f64> = (0..columns * y.intervals()).map(|k| field.top(k % columns, k / columns)).collect();
-        let escape = EscapeBounds::new(&tops, columns, x.shortest().min(y.shortest()), periodic);
+        let mut tops = Vec::with_capacity(columns * y.intervals());
+        for j in 0..y.intervals() {
+            progress.check()?;
+            tops.extend((0..columns).map(|i| field.top(i, j)));
+        }
+        let pitch = x.shortest().min(y.shortest());
+        let escape = EscapeBounds::new(&tops, columns, pitch, periodic, progress)?;
         let optical = (DVec2::new(x.ends().0, y.ends().0), DVec2::new(x.ends().1, y.ends().1));
-        Self { x, y, field, escape, optical, heights, periodic }
+        Ok(Self { x, y, field, escape, optical, heights, periodic })
     }
 
     /// The same relief repeated without end in both directions, walls where copies meet at different heights.
-    pub fn endless(self) -> Self {
-        Self::over(self.x, self.y, self.field, self.heights, true)
+    pub fn endless(self, progress: &Progress) -> Result<Self, Cancelled> {
+        Self::over((self.x, self.y), self.field, self.heights, true, progress)
     }
 
     /// The same surface, only light that falls between the corners `optical` counted.

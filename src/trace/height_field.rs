@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
 
@@ -95,20 +96,21 @@ impl Plane {
 
 impl FacetPlanes {
     /// The facets of `relief`.
-    pub fn new(relief: &FacetedRelief) -> Self {
+    pub fn new(relief: &FacetedRelief, progress: &Progress) -> Result<Self, Cancelled> {
         let columns = relief.columns();
-        let cells = || (0..relief.facets.len()).map(|k| (k % columns, k / columns));
-        let plane = |(i, j): (usize, usize)| {
+        let plane = |i: usize, j: usize| {
             let (facet, middle) = (relief.facet(i, j), relief.middle(i, j));
             let (p, q) = (facet.slope.p, facet.slope.q);
             Plane { z0: facet.height - p * middle.x - q * middle.y, p, q }
         };
-        let top = |(i, j)| relief.corner_heights(i, j).into_iter().fold(f64::NEG_INFINITY, f64::max);
-        Self {
-            planes: cells().map(plane).collect(),
-            tops: cells().map(|cell| (top(cell) as f32).next_up()).collect(),
-            columns,
+        let top = |i, j| relief.corner_heights(i, j).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let (mut planes, mut tops) = (Vec::with_capacity(relief.facets.len()), Vec::with_capacity(relief.facets.len()));
+        for j in 0..relief.rows() {
+            progress.check()?;
+            planes.extend((0..columns).map(|i| plane(i, j)));
+            tops.extend((0..columns).map(|i| (top(i, j) as f32).next_up()));
         }
+        Ok(Self { planes, tops, columns })
     }
 
     #[inline]

@@ -1,5 +1,6 @@
 //! Any plate, by whichever tracer serves it best.
 
+use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 use crate::relief::recognise::{Recognised, recognise};
 
@@ -33,16 +34,16 @@ impl TracedPlate {
     /// The plate that stands in `mesh`; its optical area is the xy bounding box less `margin` mm on each side.
     ///
     /// Fails as [`MeshSurface::new`] does.
-    pub fn new(mesh: &Mesh, margin: f64) -> Result<Self, MeshSurfaceError> {
+    pub fn new(mesh: &Mesh, margin: f64, progress: &Progress) -> Result<Self, TracedPlateError> {
         let (low, high) = mesh.bounds();
         let optical = (low.truncate() + margin, high.truncate() - margin);
         if margin >= 0.0 && optical.0.cmplt(optical.1).all() {
-            match recognise(mesh) {
+            match recognise(mesh, progress)? {
                 Some(Recognised::Facets(relief)) => {
-                    return Ok(Self::Facets(GridSurface::new(&relief).lit_within(optical)));
+                    return Ok(Self::Facets(GridSurface::new(&relief, progress)?.lit_within(optical)));
                 }
                 Some(Recognised::Heights(grid)) => {
-                    return Ok(Self::Heights(GridSurface::continuous(&grid).lit_within(optical)));
+                    return Ok(Self::Heights(GridSurface::continuous(&grid, progress)?.lit_within(optical)));
                 }
                 None => {}
             }
@@ -52,20 +53,22 @@ impl TracedPlate {
 
     /// The optical area of the plate in `mesh` alone, if that stands on a grid and a rim of `margin` mm around it shades
     /// nothing: its light is then known piece by piece.
-    pub fn without_rim(mesh: &Mesh, margin: f64) -> Option<Self> {
-        match recognise(&mesh.without_rim(margin)?)? {
-            Recognised::Facets(relief) => Some(Self::Facets(GridSurface::new(&relief))),
-            Recognised::Heights(grid) => Some(Self::Heights(GridSurface::continuous(&grid))),
-        }
+    pub fn without_rim(mesh: &Mesh, margin: f64, progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        let Some(bare) = mesh.without_rim(margin) else { return Ok(None) };
+        Ok(match recognise(&bare, progress)? {
+            Some(Recognised::Facets(relief)) => Some(Self::Facets(GridSurface::new(&relief, progress)?)),
+            Some(Recognised::Heights(grid)) => Some(Self::Heights(GridSurface::continuous(&grid, progress)?)),
+            None => None,
+        })
     }
 
     /// The same relief repeated without end; `None` if it stands on no grid.
-    pub fn endless(self) -> Option<Self> {
-        match self {
-            Self::Facets(surface) => Some(Self::Facets(surface.endless())),
-            Self::Heights(surface) => Some(Self::Heights(surface.endless())),
+    pub fn endless(self, progress: &Progress) -> Result<Option<Self>, Cancelled> {
+        Ok(match self {
+            Self::Facets(surface) => Some(Self::Facets(surface.endless(progress)?)),
+            Self::Heights(surface) => Some(Self::Heights(surface.endless(progress)?)),
             Self::Mesh(_) => None,
-        }
+        })
     }
 
     /// Does `task` on the surface.
@@ -85,6 +88,18 @@ impl TracedPlate {
             Self::Mesh(_) => "triangles",
         }
     }
+}
+
+/// Why a mesh is no plate ready for rays.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TracedPlateError {
+    /// Its triangles cannot be traced.
+    #[error(transparent)]
+    Mesh(#[from] MeshSurfaceError),
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 #[cfg(test)]
@@ -120,12 +135,16 @@ mod tests {
         mesh
     }
 
+    fn traced(inside_out: bool, margin: f64) -> Result<TracedPlate, TracedPlateError> {
+        TracedPlate::new(&block(inside_out), margin, &Progress::silent())
+    }
+
     #[test]
     fn a_relief_on_a_grid_is_traced_as_one_unless_it_is_inside_out() {
-        assert!(matches!(TracedPlate::new(&block(false), 0.0), Ok(TracedPlate::Heights(_))));
-        assert!(matches!(TracedPlate::new(&block(true), 0.0), Ok(TracedPlate::Mesh(_))));
-        assert!(TracedPlate::new(&block(false), 1.0).is_err());
-        assert!(TracedPlate::new(&block(true), 0.0).unwrap().endless().is_none());
+        assert!(matches!(traced(false, 0.0), Ok(TracedPlate::Heights(_))));
+        assert!(matches!(traced(true, 0.0), Ok(TracedPlate::Mesh(_))));
+        assert!(traced(false, 1.0).is_err());
+        assert!(traced(true, 0.0).unwrap().endless(&Progress::silent()).unwrap().is_none());
     }
 
     #[test]
@@ -141,15 +160,19 @@ mod tests {
             cells: [2, 1],
             tilt: Slope::new(0.01, 0.0),
         };
-        let bare = recognise(&sheet_solid(&relief, 2.0, 0.0).unwrap());
-        let mut rimmed = sheet_solid(&relief, 2.0, 1.7).unwrap();
-        assert!(matches!(TracedPlate::without_rim(&rimmed, 1.7), Some(TracedPlate::Heights(_))));
-        assert_eq!(recognise(&rimmed.without_rim(1.7).unwrap()), bare);
+        let silent = Progress::silent();
+        let bare = recognise(&sheet_solid(&relief, 2.0, 0.0, &silent).unwrap(), &silent).unwrap();
+        let mut rimmed = sheet_solid(&relief, 2.0, 1.7, &Progress::silent()).unwrap();
+        assert!(matches!(
+            TracedPlate::without_rim(&rimmed, 1.7, &Progress::silent()).unwrap(),
+            Some(TracedPlate::Heights(_))
+        ));
+        assert_eq!(recognise(&rimmed.without_rim(1.7).unwrap(), &Progress::silent()).unwrap(), bare);
         // A rim that stands higher shades.
         let highest = rimmed.bounds().1.z as f32;
         let rim = (0..rimmed.vertices.len()).filter(|&v| rimmed.vertices[v][0] < -0.1).collect::<Vec<_>>();
         rim.into_iter().for_each(|v| rimmed.vertices[v][2] = highest);
-        assert!(TracedPlate::without_rim(&rimmed, 1.7).is_none());
+        assert!(TracedPlate::without_rim(&rimmed, 1.7, &Progress::silent()).unwrap().is_none());
     }
 
     #[test]
@@ -162,10 +185,10 @@ mod tests {
             }
         }
         for inside_out in [false, true] {
-            let area = TracedPlate::new(&block(inside_out), 0.25).unwrap().run(Area);
+            let area = traced(inside_out, 0.25).unwrap().run(Area);
             assert_eq!(area, (DVec2::splat(0.25), DVec2::splat(1.75)));
         }
-        let grid = HeightGrid::new(vec![0.0, 1.0], vec![0.0, 2.0], vec![0.0; 4]);
+        let grid = HeightGrid::new(vec![0.0, 1.0], vec![0.0, 2.0], vec![0.0; 4], &Progress::silent()).unwrap();
         assert_eq!(grid.area(), (DVec2::ZERO, DVec2::new(1.0, 2.0)));
     }
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::experiment::{Experiment, LastPixel, Measuring, Sensor};
 use super::follow::follow_to_sensor;
 use super::tally::{PARTS, Tally};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::slope::mirror;
 use crate::trace::path::{End, Fate, PathFollower};
 use crate::trace::{Hit, PieceKind, Surface};
@@ -28,17 +28,17 @@ pub(super) fn parts<S: Surface, C: Sensor>(
     sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
-) -> Vec<Tally> {
+) -> Result<Vec<Tally>, Cancelled> {
     let slanting = light.truncate().length() > SLANT;
     // Half of the rays for what little meets walls: there each counts in full.
     let rays = if slanting { measuring.rays / 2 } else { measuring.rays };
     let measuring = Measuring { rays: rays.max(PARTS as u64), ..*measuring };
-    let mut tallies = over_facets(experiment, light, sensor, &measuring, progress);
+    let mut tallies = over_facets(experiment, light, sensor, &measuring, progress)?;
     if slanting {
-        let walls = follow_to_sensor(experiment, sensor, &measuring, |kind| kind == PieceKind::Wall, progress);
+        let walls = follow_to_sensor(experiment, sensor, &measuring, |kind| kind == PieceKind::Wall, progress)?;
         tallies.iter_mut().zip(&walls).for_each(|(tally, more)| tally.add(more, 1.0));
     }
-    tallies
+    Ok(tallies)
 }
 
 fn over_facets<S: Surface, C: Sensor>(
@@ -47,11 +47,11 @@ fn over_facets<S: Surface, C: Sensor>(
     sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
-) -> Vec<Tally> {
+) -> Result<Vec<Tally>, Cancelled> {
     let &Experiment { surface, ref material, .. } = experiment;
-    let beams = Beams::new(surface, light);
+    let beams = Beams::new(surface, light, progress)?;
     let step = beams.whole() / measuring.rays as f64;
-    let known = closed_form(experiment, light, sensor, &beams, progress);
+    let known = closed_form(experiment, light, sensor, &beams, progress)?;
     let samples = beams.turn(beams.whole(), step, measuring.seed);
     (0..PARTS)
         .into_par_iter()
@@ -64,9 +64,7 @@ fn over_facets<S: Surface, C: Sensor>(
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
             for sample in (part as u64..samples).step_by(PARTS) {
                 if (sample as usize / PARTS).is_multiple_of(4096) {
-                    if progress.is_abandoned() {
-                        break;
-                    }
+                    progress.check()?;
                     if part == 0 {
                         progress.fraction(sample as f64 / samples as f64);
                     }
@@ -92,7 +90,7 @@ fn over_facets<S: Surface, C: Sensor>(
                     tally.count(&found, weight, pixels.of(found.direction));
                 }
             }
-            tally
+            Ok(tally)
         })
         .collect()
 }
@@ -114,28 +112,28 @@ fn closed_form<S: Surface, C: Sensor>(
     sensor: &C,
     beams: &Beams,
     progress: &Progress,
-) -> Tally {
+) -> Result<Tally, Cancelled> {
     let facets = experiment.surface.facets();
     // A fixed number of stretches, so that sums do not depend on threads.
     let stretch = |part: usize| {
         let mut pixels = LastPixel::new(sensor);
         let mut tally = Tally::empty(sensor.size());
-        for k in part * facets / PARTS..(part + 1) * facets / PARTS {
-            if k % 65536 == 0 && progress.is_abandoned() {
-                break;
-            }
-            let flux = beams.of(k);
-            if let Some((_, end)) = first_bounce(experiment, light, k).filter(|_| flux > 0.0) {
-                tally.incident += flux;
-                tally.count(&end, flux, pixels.of(end.direction));
+        let first = part * facets / PARTS;
+        for some in progress.stretches((part + 1) * facets / PARTS - first) {
+            for k in some?.map(|k| first + k) {
+                let flux = beams.of(k);
+                if let Some((_, end)) = first_bounce(experiment, light, k).filter(|_| flux > 0.0) {
+                    tally.incident += flux;
+                    tally.count(&end, flux, pixels.of(end.direction));
+                }
             }
         }
-        tally
+        Ok(tally)
     };
-    let stretches: Vec<Tally> = (0..PARTS).into_par_iter().map(stretch).collect();
+    let stretches = (0..PARTS).into_par_iter().map(stretch).collect::<Result<Vec<Tally>, Cancelled>>()?;
     let mut all = Tally::empty(sensor.size());
     stretches.iter().for_each(|tally| all.add(tally, 1.0));
-    all
+    Ok(all)
 }
 
 /// What each facet takes of the beam, as horizontal area, mm².
@@ -145,18 +143,19 @@ pub(super) struct Beams {
 }
 
 impl Beams {
-    pub(super) fn new<S: Surface>(surface: &S, light: DVec3) -> Self {
+    pub(super) fn new<S: Surface>(surface: &S, light: DVec3, progress: &Progress) -> Result<Self, Cancelled> {
         let mut sum = 0.0;
-        let cumulative = (0..surface.facets())
-            .map(|k| {
+        let mut cumulative = Vec::with_capacity(surface.facets());
+        for some in progress.stretches(surface.facets()) {
+            cumulative.extend(some?.map(|k| {
                 if let Some((place, footprint)) = surface.facet(k) {
                     let normal = surface.normal(place);
                     sum += footprint * (light.dot(normal) / (normal.z * light.z)).max(0.0);
                 }
                 sum
-            })
-            .collect();
-        Self { cumulative }
+            }));
+        }
+        Ok(Self { cumulative })
     }
 
     fn before(&self, k: usize) -> f64 {

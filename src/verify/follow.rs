@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::experiment::{Experiment, LastPixel, Measuring, Sensor};
 use super::ray_grid::RayGrid;
 use super::tally::{PARTS, Tally};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::trace::path::{End, PathFollower};
 use crate::trace::{Hit, PieceKind, Surface};
 
@@ -29,7 +29,7 @@ pub(super) fn follow_to_sensor<S: Surface, C: Sensor>(
     measuring: &Measuring,
     wanted: impl Fn(PieceKind) -> bool + Sync,
     progress: &Progress,
-) -> Vec<Tally> {
+) -> Result<Vec<Tally>, Cancelled> {
     let landing = || {
         let mut pixels = LastPixel::new(sensor);
         move |end: &mut End| pixels.of(end.direction)
@@ -43,7 +43,7 @@ pub(super) fn follow_all<S, W, L, P>(
     measuring: &Measuring,
     collection: &Collection<W, L>,
     progress: &Progress,
-) -> Vec<Tally>
+) -> Result<Vec<Tally>, Cancelled>
 where
     S: Surface,
     W: Fn(PieceKind) -> bool + Sync,
@@ -63,9 +63,7 @@ where
         let mut tally = Tally::empty(collection.size);
         // Part k takes rows k, k + PARTS, … of the grid.
         for row in (part..rays.rows).step_by(PARTS) {
-            if progress.is_abandoned() {
-                break;
-            }
+            progress.check()?;
             // One stream a row: neither threads nor the number of parts touch the bytes.
             let stream = measuring.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
             let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
@@ -86,7 +84,7 @@ where
                 progress.fraction(row as f64 / rays.rows as f64);
             }
         }
-        tally
+        Ok(tally)
     };
     (0..PARTS).into_par_iter().map(part).collect()
 }

@@ -8,7 +8,7 @@
 use super::experiment::{Experiment, HighlightImage, Measuring, Sensor};
 use super::first_bounce;
 use super::follow::follow_to_sensor;
-use super::tally::Measurement;
+use super::tally::{MeasureError, Measurement};
 use crate::brdf::material::Material;
 use crate::progress::Progress;
 use crate::setup::Setup;
@@ -20,12 +20,12 @@ const MOST_ROUNDS: u32 = 12;
 
 /// Sends light over the surface and collects it in the highlight image of its setup.
 ///
-/// `None` if no ray met the optical area, or the work was cancelled.
+/// Fails if no ray met the optical area.
 pub fn measure<S: Surface>(
     experiment: &Experiment<'_, S>,
     measuring: &Measuring,
     progress: &Progress,
-) -> Option<Measurement> {
+) -> Result<Measurement, MeasureError> {
     let sensor = HighlightImage { setup: experiment.setup, resolution: measuring.resolution };
     collect(experiment, &sensor, measuring, progress)
 }
@@ -44,7 +44,7 @@ pub struct Mirrored<'a> {
 }
 
 impl Task for Mirrored<'_> {
-    type Output = Option<Measurement>;
+    type Output = Result<Measurement, MeasureError>;
 
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let experiment = Experiment { material: self.metal.clone(), ..Experiment::new(surface, self.setup) };
@@ -54,23 +54,23 @@ impl Task for Mirrored<'_> {
 
 /// Sends light over the surface and collects it on `sensor`; the same for any number of threads.
 ///
-/// `None` if no ray met the optical area, or the work was cancelled.
+/// Fails if no ray met the optical area.
 pub fn collect<S: Surface, C: Sensor>(
     experiment: &Experiment<'_, S>,
     sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
-) -> Option<Measurement> {
+) -> Result<Measurement, MeasureError> {
     until_error(measuring, |measuring| round(experiment, sensor, measuring, progress))
 }
 
 /// One round, and if an error is asked for, more of them with other random numbers until it is reached.
 pub(super) fn until_error(
     measuring: &Measuring,
-    round: impl Fn(&Measuring) -> Option<Measurement>,
-) -> Option<Measurement> {
+    round: impl Fn(&Measuring) -> Result<Measurement, MeasureError>,
+) -> Result<Measurement, MeasureError> {
     let mut measurement = round(measuring)?;
-    let Some(error) = measuring.error else { return Some(measurement) };
+    let Some(error) = measuring.error else { return Ok(measurement) };
     for k in 0..MOST_ROUNDS {
         if measurement.image_noise() <= error {
             break;
@@ -78,7 +78,7 @@ pub(super) fn until_error(
         let seed = measuring.seed.wrapping_add(u64::from(k + 1) << 32);
         measurement.merge(&round(&Measuring { rays: measuring.rays << k, seed, ..*measuring })?);
     }
-    Some(measurement)
+    Ok(measurement)
 }
 
 fn round<S: Surface, C: Sensor>(
@@ -86,11 +86,11 @@ fn round<S: Surface, C: Sensor>(
     sensor: &C,
     measuring: &Measuring,
     progress: &Progress,
-) -> Option<Measurement> {
+) -> Result<Measurement, MeasureError> {
     let one_direction = experiment.lamp.only_direction();
     let parts = match one_direction.filter(|_| experiment.material.is_smooth() && experiment.surface.facets() > 0) {
-        Some(light) => first_bounce::parts(experiment, light, sensor, measuring, progress),
-        None => follow_to_sensor(experiment, sensor, measuring, |_| true, progress),
+        Some(light) => first_bounce::parts(experiment, light, sensor, measuring, progress)?,
+        None => follow_to_sensor(experiment, sensor, measuring, |_| true, progress)?,
     };
-    Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
+    Measurement::of_parts(parts)
 }

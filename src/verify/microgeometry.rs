@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::first_bounce::{Beams, scattered};
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::slope::{direction, flat_mirror};
 use crate::trace::{Hit, Surface};
 
@@ -80,7 +80,7 @@ pub struct Masking {
 }
 
 /// Directions whose masking is told: polar angles in steps of 5° up to 85°, four azimuths.
-pub fn masking<S: Surface>(surface: &S, rays: u64, seed: u64, progress: &Progress) -> Vec<Masking> {
+pub fn masking<S: Surface>(surface: &S, rays: u64, seed: u64, progress: &Progress) -> Result<Vec<Masking>, Cancelled> {
     let directions = (0..4 * 18).map(|k| (f64::to_radians(5.0 * f64::from(k % 18)), FRAC_PI_2 * f64::from(k / 18)));
     directions
         .collect::<Vec<_>>()
@@ -89,15 +89,22 @@ pub fn masking<S: Surface>(surface: &S, rays: u64, seed: u64, progress: &Progres
         .collect()
 }
 
-fn seen<S: Surface>(surface: &S, theta: f64, phi: f64, rays: u64, seed: u64, progress: &Progress) -> Masking {
+fn seen<S: Surface>(
+    surface: &S,
+    theta: f64,
+    phi: f64,
+    rays: u64,
+    seed: u64,
+    progress: &Progress,
+) -> Result<Masking, Cancelled> {
     let toward: DVec3 = direction(theta, phi);
-    let beams = Beams::new(surface, toward);
+    let beams = Beams::new(surface, toward, progress)?;
     let step = beams.whole() / rays.max(1) as f64;
     let back = flat_mirror(toward);
     let (mut samples, mut clear, mut facing, mut clear_both) = (0u64, 0u64, 0u64, 0u64);
     for k in 0..surface.facets() {
-        if k % 65536 == 0 && progress.is_abandoned() {
-            break;
+        if k % FACETS_A_QUESTION == 0 {
+            progress.check()?;
         }
         let Some((place, _)) = surface.facet(k) else { continue };
         for (shift, m) in beams.samples(k, step, seed) {
@@ -114,15 +121,18 @@ fn seen<S: Surface>(surface: &S, theta: f64, phi: f64, rays: u64, seed: u64, pro
     let seen = clear as f64 / samples.max(1) as f64;
     let plate: f64 = (0..surface.facets()).filter_map(|k| surface.facet(k)).map(|(_, footprint)| footprint).sum();
     let both = clear_both as f64 / facing.max(1) as f64;
-    Masking {
+    Ok(Masking {
         both,
         theta,
         phi,
         seen,
         error: (seen * (1.0 - seen) / samples.max(1) as f64).sqrt(),
         endless: plate / beams.whole(),
-    }
+    })
 }
+
+/// Facets, each with its rays, between two questions whether to go on.
+const FACETS_A_QUESTION: usize = 1 << 12;
 
 #[cfg(test)]
 mod tests {
@@ -139,7 +149,8 @@ mod tests {
     fn normals_are_counted_with_their_area() {
         let facets = [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.4), (0.0, 0.0)];
         let facets = facets.map(|(p, q)| Facet { height: 0.0, slope: Slope::new(p, q) }).to_vec();
-        let surface = GridSurface::new(&FacetedRelief::uniform(4, 1, DVec2::new(4.0, 1.0), facets));
+        let surface =
+            GridSurface::new(&FacetedRelief::uniform(4, 1, DVec2::new(4.0, 1.0), facets), &Progress::silent()).unwrap();
         let ndf = NormalDistribution::of(&surface, 64, 32).unwrap();
         // ∫ D (m·z) dm = 1, with the cosine at each cell's middle.
         let whole: f64 = (0..64 * 32)
@@ -162,8 +173,10 @@ mod tests {
         let facets = (0..6)
             .map(|k| Facet { height: 0.0, slope: Slope::new(if k % 2 == 0 { 0.7 } else { -0.7 }, 0.0) })
             .collect();
-        let panel = GridSurface::panel(&FacetedRelief::uniform(6, 1, DVec2::new(6.0, 1.0), facets));
-        let rows = masking(&panel, 20_000, 1, &Progress::silent());
+        let panel =
+            GridSurface::panel(&FacetedRelief::uniform(6, 1, DVec2::new(6.0, 1.0), facets), &Progress::silent())
+                .unwrap();
+        let rows = masking(&panel, 20_000, 1, &Progress::silent()).unwrap();
         for row in &rows {
             let z = (row.seen - row.endless) / row.error.max(1e-4);
             assert!(z.abs() < 4.0, "{row:?}");
@@ -175,8 +188,9 @@ mod tests {
     fn walls_hide_facets_from_low_directions_only() {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
         let facets = (0..64).map(|_| Facet { height: random.random::<f64>(), slope: Slope::FLAT }).collect();
-        let surface = GridSurface::new(&FacetedRelief::uniform(8, 8, DVec2::splat(8.0), facets));
-        let rows = masking(&surface, 10_000, 1, &Progress::silent());
+        let surface =
+            GridSurface::new(&FacetedRelief::uniform(8, 8, DVec2::splat(8.0), facets), &Progress::silent()).unwrap();
+        let rows = masking(&surface, 10_000, 1, &Progress::silent()).unwrap();
         assert_eq!((rows[0].seen, rows[0].both), (1.0, 1.0));
         assert!(
             rows.iter().all(|row| row.both <= row.seen + 4.0 * row.error),

@@ -2,11 +2,11 @@
 
 pub mod blur;
 
-pub mod wasserstein;
-
 pub mod score;
 
 pub mod tally;
+
+pub mod wasserstein;
 
 pub mod experiment;
 

@@ -18,7 +18,7 @@ use super::camera::Camera;
 use super::experiment::Experiment;
 use super::path_tracer::{PathLight, PathTracer};
 use crate::lamp::Lamp;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::slope::direction;
@@ -179,19 +179,14 @@ pub fn render<S: Surface>(
     let rows: Vec<Vec<[f64; 3]>> = (0..height)
         .into_par_iter()
         .map(|row| {
-            if progress.is_abandoned() {
-                return Vec::new();
-            }
+            progress.check()?;
             let stream = settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ row as u64;
             let mut random = Xoshiro256PlusPlus::seed_from_u64(stream);
             let values = (0..width).map(|column| pixels.pixel(column, row, &mut random)).collect();
             progress.fraction((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / height as f64);
-            values
+            Ok(values)
         })
-        .collect();
-    if progress.is_abandoned() {
-        return Err(RenderError::Cancelled);
-    }
+        .collect::<Result<_, Cancelled>>()?;
     let raster = |k: usize| Raster { width, height, values: rows.iter().flatten().map(|pixel| pixel[k]).collect() };
     Ok(RenderedView { radiance: raster(0), errors: raster(1), trapped: raster(2) })
 }
@@ -320,9 +315,9 @@ pub enum RenderError {
         /// The material as it is written.
         material: String,
     },
-    /// The caller asked to stop.
-    #[error("stopped as asked")]
-    Cancelled,
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 #[cfg(test)]

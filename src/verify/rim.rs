@@ -8,6 +8,7 @@ use super::measure::Mirrored;
 use super::tally::{Measurement, Tally};
 use super::thrown::{Throwing, within_picture};
 use super::verdict::Figure;
+use crate::progress::Cancelled;
 use crate::scene::Scene;
 use crate::trace::traced_plate::Task;
 use crate::trace::{Hit, PieceKind, Surface};
@@ -33,21 +34,22 @@ pub struct OverRim<'a> {
 }
 
 impl Task for OverRim<'_> {
-    type Output = RimLight;
+    type Output = Result<RimLight, Cancelled>;
 
-    fn on<S: Surface>(self, surface: &S) -> RimLight {
+    fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let Mirrored { setup, metal, measuring, progress } = self.mirrored;
         let rim = RimOf { surface, width: self.width };
         if let Some(scene) = self.scene {
             let measuring = Measuring { rays: measuring.rays.min(RAYS), ..*measuring };
             let throwing = Throwing { scene, metal, measuring: &measuring, within: None, progress };
             let parts = throwing.on(&rim).map(Measurement::into_parts).unwrap_or_default();
-            return RimLight { parts };
+            progress.check()?;
+            return Ok(RimLight { parts });
         }
         let experiment = Experiment { material: metal.clone(), ..Experiment::new(&rim, setup) };
         let sensor = HighlightImage { setup, resolution: measuring.resolution };
         let measuring = Measuring { rays: measuring.rays.min(RAYS), ..*measuring };
-        RimLight { parts: follow_to_sensor(&experiment, &sensor, &measuring, |_| true, progress) }
+        Ok(RimLight { parts: follow_to_sensor(&experiment, &sensor, &measuring, |_| true, progress)? })
     }
 }
 
@@ -138,9 +140,9 @@ mod tests {
         let progress = Progress::silent();
         let mirrored = Mirrored { setup: &setup, metal: &Material::MIRROR, measuring: &measuring, progress: &progress };
         let of = |rim: Rim| {
-            let surface = GridSurface::new(&relief.with_rim(rim));
+            let surface = GridSurface::new(&relief.with_rim(rim), &progress).unwrap();
             let measurement = mirrored.on(&surface).unwrap();
-            let light = OverRim { mirrored, width: 3.0, scene: None }.on(&surface);
+            let light = OverRim { mirrored, width: 3.0, scene: None }.on(&surface).unwrap();
             let alone = measurement.whole.lit_image().sum();
             (light.in_image(&measurement), light.lit(&measurement), light.over(measurement), alone)
         };

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::progress::Cancelled;
 use crate::raster::Raster;
 use crate::trace::path::{End, Fate};
 
@@ -180,14 +181,14 @@ pub fn bytes(pixels: usize) -> f64 {
 }
 
 impl Measurement {
-    /// From [`PARTS`] tallies; `None` if no light came in.
-    pub(crate) fn of_parts(parts: Vec<Tally>) -> Option<Self> {
-        let mut whole = Tally::empty(parts.first()?.size());
+    /// From [`PARTS`] tallies; fails if no light came in.
+    pub(crate) fn of_parts(parts: Vec<Tally>) -> Result<Self, MeasureError> {
+        let mut whole = Tally::empty(parts.first().ok_or(MeasureError::NoLight)?.size());
         parts.iter().for_each(|part| whole.add(part, 1.0));
         // Where closed forms gave light and rays took all of it back, rounding stays: far less than any ray, of either sign.
         let rounding = 1e-13 * whole.incident;
         whole.image.values.iter_mut().filter(|light| light.abs() < rounding).for_each(|light| *light = 0.0);
-        (whole.incident > 0.0).then_some(Self { whole, parts })
+        if whole.incident > 0.0 { Ok(Self { whole, parts }) } else { Err(MeasureError::NoLight) }
     }
 
     /// Takes in another measurement of the same by as many rays, made with other random numbers: of the light the mean,
@@ -280,4 +281,16 @@ impl Measurement {
     pub fn image_noise(&self) -> f64 {
         0.5 * (2.0 / std::f64::consts::PI).sqrt() * self.pixel_errors().values.iter().sum::<f64>()
     }
+}
+
+/// Why light has no measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// None falls where it is measured.
+    #[error("no light falls where it is measured")]
+    NoLight,
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

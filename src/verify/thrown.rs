@@ -68,7 +68,7 @@ impl Task for Throwing<'_> {
             true => self.light_by_pieces(surface, &frame)?,
             false => self.light_of_lamp(surface, &frame, |_| true)?,
         };
-        Measurement::of_parts(halves).filter(|_| !self.progress.is_abandoned())
+        Measurement::of_parts(halves).ok().filter(|_| !self.progress.is_abandoned())
     }
 }
 
@@ -218,7 +218,7 @@ impl Throwing<'_> {
             Experiment { material, ..Experiment::new(surface, &setup) }.in_scene(frame.scene, frame.origin);
         let landing = || |end: &mut End| frame.land(end);
         let collection = Collection { size: (WHOLE, WHOLE), wanted, landing };
-        let parts = follow_all(&experiment, self.measuring, &collection, self.progress);
+        let parts = follow_all(&experiment, self.measuring, &collection, self.progress).ok()?;
         // In the unit of the pieces: what the lamp gives a horizontal mm² at the scene's origin.
         let middle = experiment.lamp.at(surface.middle());
         let unit = middle.direction.z * middle.irradiance / frame.reference;
@@ -264,14 +264,18 @@ mod tests {
         for radius in [0.0, 2.0] {
             let scene = Scene::across_mirror(Lamp::Ball { middle: LAMP, radius }, 500.0, 0.0, 40.0);
             let flat = FacetedRelief::uniform(1, 1, size, vec![Facet { height: 7.0, slope: Slope::FLAT }]);
-            let light = thrown(&GridSurface::new(&flat), &scene, None);
+            let light = thrown(&GridSurface::new(&flat, &Progress::silent()).unwrap(), &scene, None);
             let (middle, half) = spot(&light, 40.0);
             assert!(middle.length() < 0.2, "{middle}");
             // Lamp and wall are as far: twice the plate, foreshortened along y by the slant, and the lamp's own size.
             let expected = size * DVec2::new(1.0, 0.8) + radius;
             assert!((half - expected).abs().max_element() < 0.5, "{half} {expected}");
             assert!((light.whole.image.sum() / light.whole.incident - 1.0).abs() < 1e-9);
-            let side = thrown(&GridSurface::new(&flat), &scene, Some((DVec2::ZERO, DVec2::new(10.0, 10.0))));
+            let side = thrown(
+                &GridSurface::new(&flat, &Progress::silent()).unwrap(),
+                &scene,
+                Some((DVec2::ZERO, DVec2::new(10.0, 10.0))),
+            );
             assert!((side.whole.incident / light.whole.incident - 0.5).abs() < 0.02);
         }
         // The ellipsoid with foci at lamp and picture, here its osculating paraboloid; 1/f = 1/500 + 1/500.
@@ -281,8 +285,8 @@ mod tests {
             let at = DVec2::new(lines[k % 101], lines[k / 101]) - 10.0;
             at.length_squared() / 1000.0
         });
-        let bowl = HeightGrid::new(lines.clone(), lines.clone(), heights.collect());
-        let light = thrown(&GridSurface::continuous(&bowl), &scene, None);
+        let bowl = HeightGrid::new(lines.clone(), lines.clone(), heights.collect(), &Progress::silent()).unwrap();
+        let light = thrown(&GridSurface::continuous(&bowl, &Progress::silent()).unwrap(), &scene, None);
         let (middle, half) = spot(&light, 20.0);
         // Each triangle is a flat mirror of 0.2 mm.
         assert!(middle.length() < 0.05 && half.max_element() < 0.5, "{middle} {half}");
@@ -296,7 +300,7 @@ mod tests {
             slope: Slope::new(f64::from(k % 4) * 0.02 - 0.03, f64::from(k / 4) * 0.02 - 0.03),
         });
         let relief = FacetedRelief::uniform(4, 4, DVec2::new(20.0, 20.0), facets.collect());
-        let surface = GridSurface::new(&relief);
+        let surface = GridSurface::new(&relief, &Progress::silent()).unwrap();
         let scene = Scene::across_mirror(Lamp::Ball { middle: LAMP, radius: 3.0 }, 600.0, 0.2, 60.0);
         let measuring = Measuring { rays: 400_000, ..Measuring::default() };
         let progress = Progress::silent();

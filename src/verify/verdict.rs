@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::score::{blurred_scores, contrast_kept, efficiency};
-use super::tally::{Measurement, Tally};
+use super::tally::{MeasureError, Measurement, Tally};
 use super::wasserstein::exact_w1;
 use crate::progress::Progress;
 use crate::projection::View;
@@ -77,13 +77,19 @@ const FIGURES: usize = 4 * BLURS.len() + 3;
 impl Verdict {
     /// Scores `measurement` against `target` (flux per pixel, sum 1, of the measurement's resolution).
     ///
-    /// `None` if no light fell into the image, or if it is abandoned.
-    pub fn new(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Self> {
-        let values = figures(&measurement.whole, target, view)?;
+    /// Fails if no light fell into the image.
+    pub fn new(
+        measurement: &Measurement,
+        target: &Raster,
+        view: &View,
+        progress: &Progress,
+    ) -> Result<Self, MeasureError> {
+        let values = figures(&measurement.whole, target, view).ok_or(MeasureError::NoLight)?;
         let errors = measurement.standard_errors(|tally| {
             let figures = if progress.is_abandoned() { None } else { figures(tally, target, view) };
             figures.unwrap_or([f64::NAN; FIGURES])
         });
+        progress.check()?;
         progress.fraction(0.5);
         let figure = |k: usize| Figure { value: values[k], error: errors[k] };
         let at_blur = std::array::from_fn(|b| AtBlur {
@@ -96,7 +102,7 @@ impl Verdict {
         });
         let whole = &measurement.whole;
         let other = 4 * BLURS.len();
-        Some(Self {
+        Ok(Self {
             at_blur,
             w1: w1(measurement, target, view, progress)?,
             efficiency: figure(other),
@@ -146,12 +152,12 @@ fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]
 }
 
 /// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
-fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Option<Figure> {
+fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Result<Figure, MeasureError> {
     let of = |tally: &Tally| exact_w1(&tally.lit_image(), target, view, W1_RESOLUTION, progress);
     let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
     let error = match halves {
-        [Some(a), Some(b)] => 0.5 * (a - b).abs(),
+        [Ok(a), Ok(b)] => 0.5 * (a - b).abs(),
         _ => f64::NAN,
     };
-    Some(Figure { value: value?, error })
+    Ok(Figure { value: value?, error })
 }

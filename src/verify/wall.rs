@@ -19,10 +19,10 @@ use thiserror::Error;
 use super::experiment::{Experiment, Measuring};
 use super::follow::{Collection, follow_all};
 use super::measure::until_error;
-use super::tally::{Measurement, Tally};
+use super::tally::{MeasureError, Measurement, Tally};
 use super::thrown::plate_origin;
 use crate::lamp::Lamp;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::projection::{View, carried_axes};
 use crate::raster::Raster;
 use crate::scene::WallPicture;
@@ -289,11 +289,10 @@ pub fn wall_image<S: Surface>(
     };
     let collection = Collection { size: (n, n), wanted: |_| true, landing: || pixel_of };
     let round = |measuring: &Measuring| {
-        let parts = follow_all(experiment, measuring, &collection, progress);
-        Measurement::of_parts(parts).filter(|_| !progress.is_abandoned())
+        let parts = follow_all(experiment, measuring, &collection, progress)?;
+        Measurement::of_parts(parts)
     };
-    let unlit = || if progress.is_abandoned() { WallError::Cancelled } else { WallError::Unlit };
-    let measurement = until_error(measuring, round).ok_or_else(unlit)?;
+    let measurement = until_error(measuring, round)?;
     let (lamp_distance, lamp_radius) = lamp_size(experiment);
     let blur = settings.blur(experiment);
     Ok(WallImage { measurement, blur, lamp_distance, lamp_radius, half_width: settings.half_width })
@@ -336,9 +335,18 @@ pub enum WallError {
     /// Nothing was met.
     #[error("no light of the lamp meets the plate")]
     Unlit,
-    /// The caller asked to stop.
-    #[error("stopped as asked")]
-    Cancelled,
+    /// The caller wanted nothing more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<MeasureError> for WallError {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::NoLight => Self::Unlit,
+            MeasureError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
 }
 
 #[cfg(test)]

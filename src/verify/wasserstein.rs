@@ -8,7 +8,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::progress::Progress;
+use super::tally::MeasureError;
+use crate::progress::{Cancelled, Progress};
 use crate::projection::{Projection, View};
 use crate::raster::Raster;
 use crate::slope::angle_between;
@@ -28,17 +29,22 @@ const NONE: u32 = u32::MAX;
 /// sum one, so lost light does not count here. The cost of moving light is the great-circle angle between the
 /// directions at the pixel centres.
 ///
-/// `None` if either image holds no light, or a value that is not finite, or if `resolution` is zero; and if it is
-/// abandoned.
-pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize, progress: &Progress) -> Option<f64> {
+/// Fails if either image holds no light, or a value that is not finite, or if `resolution` is zero.
+pub fn exact_w1(
+    a: &Raster,
+    b: &Raster,
+    view: &View,
+    resolution: usize,
+    progress: &Progress,
+) -> Result<f64, MeasureError> {
     let directions: Vec<_> = (0..resolution * resolution).map(|k| pixel_direction(view, k, resolution)).collect();
-    let share = |image: &Raster| -> Option<Vec<f64>> {
+    let share = |image: &Raster| -> Result<Vec<f64>, MeasureError> {
         let mut coarse = image.resampled(resolution, resolution).values;
         // Light where no direction projects has nowhere to be moved from.
         coarse.iter_mut().zip(&directions).filter(|(_, d)| d.is_none()).for_each(|(v, _)| *v = 0.0);
         let sum: f64 = coarse.iter().sum();
         let sound = sum > 0.0 && sum.is_finite() && image.values.iter().all(|v| v.is_finite());
-        sound.then(|| coarse.iter().map(|v| v / sum).collect())
+        if sound { Ok(coarse.iter().map(|v| v / sum).collect()) } else { Err(MeasureError::NoLight) }
     };
     let (a, b) = (share(a)?, share(b)?);
     // The angle is a metric: what both images share need not move.
@@ -46,7 +52,7 @@ pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize, progress
     let lack: Vec<f64> = a.iter().zip(&b).map(|(a, b)| (b - a).max(0.0)).collect();
     let moved: f64 = surplus.iter().sum();
     if moved < 1e-12 {
-        return Some(0.0); // equal but for rounding
+        return Ok(0.0); // equal but for rounding
     }
     let worth_moving = |masses: &[f64]| -> (Vec<_>, Vec<f64>) {
         let chosen = masses.iter().zip(&directions).filter(|(mass, _)| **mass > CRUMB * moved);
@@ -55,17 +61,15 @@ pub fn exact_w1(a: &Raster, b: &Raster, view: &View, resolution: usize, progress
     let (from, supply) = worth_moving(&surplus);
     let (to, demand) = worth_moving(&lack);
     let mut cost = vec![0.0; from.len() * to.len()];
-    cost.par_chunks_mut(to.len().max(1)).zip(&from).for_each(|(row, &from)| {
-        if progress.is_abandoned() {
-            return;
-        }
+    cost.par_chunks_mut(to.len().max(1)).zip(&from).try_for_each(|(row, &from)| {
         for (cost, &to) in row.iter_mut().zip(&to) {
             *cost = angle_between(from, to).to_degrees();
         }
-    });
+        progress.check()
+    })?;
     let mut tree = Tree::new(&counted(&supply), &counted(&demand), cost, progress)?;
     tree.optimise(progress)?;
-    Some(tree.total_cost() / WHOLE as f64 * moved)
+    Ok(tree.total_cost() / WHOLE as f64 * moved)
 }
 
 /// Where the light of pixel `k` of `resolution` × `resolution` goes.
@@ -117,7 +121,7 @@ struct Tree {
 impl Tree {
     /// A first tree: each source in turn serves the nearest sinks that still lack something. `supply` and `demand`
     /// are positive and of equal sum.
-    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>, progress: &Progress) -> Option<Self> {
+    fn new(supply: &[i64], demand: &[i64], cost: Vec<f64>, progress: &Progress) -> Result<Self, Cancelled> {
         let (sources, sinks) = (supply.len(), demand.len());
         let nodes = sources + sinks + 1;
         let mut tree = Self {
@@ -136,9 +140,7 @@ impl Tree {
         let mut arcs = vec![Vec::new(); nodes];
         let (mut lacking, mut open) = (demand.to_vec(), (0..sinks).collect::<Vec<_>>());
         for (i, mut left) in supply.iter().copied().enumerate() {
-            if progress.is_abandoned() {
-                return None;
-            }
+            progress.check()?;
             while left > 0 {
                 let cost = |k: &usize| tree.cost[i * sinks + open[*k]];
                 let Some(k) = (0..open.len()).min_by(|a, b| cost(a).total_cmp(&cost(b))) else { break };
@@ -170,7 +172,7 @@ impl Tree {
             }
         }
         tree.set_prices();
-        Some(tree)
+        Ok(tree)
     }
 
     fn attach(&mut self, node: usize, parent: usize, flow: i64) {
@@ -223,14 +225,14 @@ impl Tree {
         });
     }
 
-    /// Pivots until no arc can lower the cost; `None` if it is abandoned before.
-    fn optimise(&mut self, progress: &Progress) -> Option<()> {
+    /// Pivots until no arc can lower the cost.
+    fn optimise(&mut self, progress: &Progress) -> Result<(), Cancelled> {
         const PIVOTS_A_QUESTION: usize = 64;
         let (mut stale, mut pivots) = (0, 0usize);
         loop {
             pivots += 1;
-            if pivots.is_multiple_of(PIVOTS_A_QUESTION) && progress.is_abandoned() {
-                return None;
+            if pivots.is_multiple_of(PIVOTS_A_QUESTION) {
+                progress.check()?;
             }
             let entering = self.entering();
             if stale > 0 && (entering.is_none() || stale == self.price.len()) {
@@ -241,7 +243,7 @@ impl Tree {
                 self.pivot(i, self.sources + j, reduced);
                 stale += 1;
             } else {
-                return Some(());
+                return Ok(());
             }
         }
     }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::score::blurred;
 use super::verdict::MAIN_BLUR;
+use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
 use crate::raster::Raster;
 use crate::relief::height_grid::rises;
@@ -43,32 +44,43 @@ pub struct Likeness {
     pub half_cell: Misplaced,
 }
 
-/// Compares windows of `relief`, seen through `blur` if there is one, with `target` (flux per pixel, sum 1, row 0 on top),
-/// at places that follow from `seed`.
-///
-/// `None` if one of the windows gets no light.
+/// What windows are compared with, and how.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Flux per pixel, sum 1, row 0 on top.
+    pub target: &'a Raster,
+    /// What the light of windows is seen through, if not sharply.
+    pub blur: Option<&'a BlurKernel>,
+    /// The places of windows follow from it.
+    pub seed: u64,
+}
+
+/// Compares windows of `relief` with what is wanted; `None` if one of them gets no light.
 pub fn likeness(
     relief: &PeriodicRelief,
     setup: &Setup,
-    blur: Option<&BlurKernel>,
-    target: &Raster,
-    seed: u64,
-) -> Option<Likeness> {
-    let light = FirstBounce::new(relief, setup, (target.width, target.height));
+    wanted: Wanted,
+    progress: &Progress,
+) -> Result<Option<Likeness>, Cancelled> {
+    let Wanted { target, blur, seed } = wanted;
+    let light = FirstBounce::new(relief, setup, (target.width, target.height), progress)?;
     let n = relief.nodes;
     let wanted = blurred(target, setup.view(), MAIN_BLUR.to_radians());
     let misplaced = |corners: &[[usize; 2]], side: usize| {
         let each = |&corner: &[usize; 2]| {
-            let sent = light.window(corner, side)?;
+            progress.check()?;
+            let Some(sent) = light.window(corner, side) else { return Ok(None) };
             let blurred = blur.map(|blur| seen(&sent, blur));
-            Some(misplaced(blurred.as_ref().unwrap_or(&sent), &wanted, setup.view()))
+            Ok(Some(misplaced(blurred.as_ref().unwrap_or(&sent), &wanted, setup.view())))
         };
-        let values: Vec<f64> = corners.par_iter().map(each).collect::<Option<_>>()?;
+        let values = corners.par_iter().map(each).collect::<Result<Vec<Option<f64>>, Cancelled>>()?;
+        let Some(values) = values.into_iter().collect::<Option<Vec<f64>>>() else { return Ok(None) };
         let mean = values.iter().sum::<f64>() / values.len() as f64;
-        Some(Misplaced { mean, largest: values.into_iter().fold(0.0, f64::max) })
+        Ok(Some(Misplaced { mean, largest: values.into_iter().fold(0.0, f64::max) }))
     };
     let half = (n / 2).max(1);
-    Some(Likeness { cell: misplaced(&[[0, 0]], n)?, half_cell: misplaced(&places(relief, half, seed), half)? })
+    let (cell, half_cell) = (misplaced(&[[0, 0]], n)?, misplaced(&places(relief, half, seed), half)?);
+    Ok(cell.zip(half_cell).map(|(cell, half_cell)| Likeness { cell, half_cell }))
 }
 
 /// Misplaced light of one cell of `relief` by first bounces, seen through `blur` if there is one, against `target`: as
@@ -79,7 +91,8 @@ pub fn misplaced_by_a_cell(
     blur: Option<&BlurKernel>,
     target: &Raster,
 ) -> Option<f64> {
-    let sent = FirstBounce::new(relief, setup, (target.width, target.height)).window([0, 0], relief.nodes)?;
+    let light = FirstBounce::new(relief, setup, (target.width, target.height), &Progress::silent()).ok()?;
+    let sent = light.window([0, 0], relief.nodes)?;
     let image = blur.map_or_else(|| sent.clone(), |blur| seen(&sent, blur));
     Some(misplaced(&image, &blurred(target, setup.view(), MAIN_BLUR.to_radians()), setup.view()))
 }
@@ -99,18 +112,24 @@ fn places(relief: &PeriodicRelief, side: usize, seed: u64) -> Vec<[usize; 2]> {
 
 /// By how much the light of a cell of `relief` changes with its heights, as `sculpt::detail` asks: the total variation
 /// between the light of other heights and that of its own, at a blur of [`MAIN_BLUR`].
-pub fn change<'a>(relief: &'a PeriodicRelief, setup: &'a Setup) -> impl Fn(&[f32]) -> f64 + 'a {
+pub fn change<'a>(
+    relief: &'a PeriodicRelief,
+    setup: &'a Setup,
+    progress: &'a Progress,
+) -> Result<impl Fn(&[f32]) -> Result<f64, Cancelled> + 'a, Cancelled> {
     let light = |heights: &[f32]| {
         let PeriodicRelief { nodes, cell, cells, tilt, .. } = *relief;
         let other = PeriodicRelief { nodes, heights: heights.to_vec(), cell, cells, tilt };
-        FirstBounce::new(&other, setup, CHANGE_RESOLUTION).window([0, 0], nodes)
+        Ok(FirstBounce::new(&other, setup, CHANGE_RESOLUTION, progress)?.window([0, 0], nodes))
     };
-    let before = light(&relief.heights).map(|image| blurred(&image, setup.view(), MAIN_BLUR.to_radians()));
-    move |heights| match (&before, light(heights)) {
-        (Some(before), Some(after)) => misplaced(&after, before, setup.view()),
-        (None, None) => 0.0,
-        _ => 1.0,
-    }
+    let before = light(&relief.heights)?.map(|image| blurred(&image, setup.view(), MAIN_BLUR.to_radians()));
+    Ok(move |heights: &[f32]| {
+        Ok(match (&before, light(heights)?) {
+            (Some(before), Some(after)) => misplaced(&after, before, setup.view()),
+            (None, None) => 0.0,
+            _ => 1.0,
+        })
+    })
 }
 
 /// Pixels of the image on which changes are seen.
@@ -145,7 +164,12 @@ const NOWHERE: u32 = u32::MAX;
 
 impl FirstBounce {
     /// For an image of `resolution` = (width, height) pixels.
-    pub fn new(relief: &PeriodicRelief, setup: &Setup, resolution: (usize, usize)) -> Self {
+    pub fn new(
+        relief: &PeriodicRelief,
+        setup: &Setup,
+        resolution: (usize, usize),
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let n = relief.nodes;
         let (step, l) = (relief.step(), setup.light());
         let light_of = |[p, q]: [f64; 2]| {
@@ -168,8 +192,13 @@ impl FirstBounce {
                 [light_of([z10 - z00, z01 - z00]), light_of([z11 - z01, z11 - z10])]
             }
         };
-        let triangles = (0..n * n).into_par_iter().with_min_len(1 << 10).map(square).collect();
-        Self { nodes: n, resolution, triangles }
+        let nowhere = TriangleLight { pixel: NOWHERE, light: 0.0 };
+        let mut triangles = vec![[nowhere; 2]; n * n];
+        triangles.par_chunks_mut(n).enumerate().try_for_each(|(j, row)| {
+            row.iter_mut().enumerate().for_each(|(i, triangles)| *triangles = square(j * n + i));
+            progress.check()
+        })?;
+        Ok(Self { nodes: n, resolution, triangles })
     }
 
     /// The image of the window of `side` squares a side whose lower left corner is node `corner`: shares of the light that
@@ -218,10 +247,18 @@ mod tests {
         move |x, y| 0.04 / waves * ((TAU * waves * x).sin() * (TAU * waves * (y + 0.1)).cos() + (TAU * waves * x).cos())
     }
 
+    fn sent(relief: &PeriodicRelief, setup: &Setup) -> FirstBounce {
+        FirstBounce::new(relief, setup, (SIDE, SIDE), &Progress::silent()).unwrap()
+    }
+
+    fn compared(relief: &PeriodicRelief, setup: &Setup, target: &Raster, seed: u64) -> Option<Likeness> {
+        likeness(relief, setup, Wanted { target, blur: None, seed }, &Progress::silent()).unwrap()
+    }
+
     /// Light that just such a cell would send, moved by a degree or so.
     fn moved(relief: &PeriodicRelief, setup: &Setup) -> Raster {
         let elsewhere = PeriodicRelief { tilt: Slope::new(0.03, -0.01), ..relief.clone() };
-        FirstBounce::new(&elsewhere, setup, (SIDE, SIDE)).window([0, 0], relief.nodes).unwrap().normalised()
+        sent(&elsewhere, setup).window([0, 0], relief.nodes).unwrap().normalised()
     }
 
     #[test]
@@ -229,9 +266,9 @@ mod tests {
         let setup = setup(0.4);
         let relief = relief(40, [3, 3], hills(1.0));
         let target = moved(&relief, &setup);
-        let light = FirstBounce::new(&relief, &setup, (SIDE, SIDE));
+        let light = sent(&relief, &setup);
         let wanted = blurred(&target, setup.view(), MAIN_BLUR.to_radians());
-        let whole = likeness(&relief, &setup, None, &target, 1).unwrap().cell;
+        let whole = compared(&relief, &setup, &target, 1).unwrap().cell;
         assert!(whole.mean > 0.01 && whole.mean < 0.5 && whole.largest == whole.mean);
         for corner in places(&relief, 40, 5) {
             let figure = misplaced(&light.window(corner, 40).unwrap(), &wanted, setup.view());
@@ -244,8 +281,7 @@ mod tests {
         let setup = setup(0.0);
         let fine = relief(40, [2, 2], |x, y| hills(1.0)((2.0 * x).fract(), (2.0 * y).fract()) / 2.0);
         let coarse = relief(40, [2, 2], hills(1.0));
-        let [same, other] =
-            [fine, coarse].map(|relief| likeness(&relief, &setup, None, &moved(&relief, &setup), 3).unwrap());
+        let [same, other] = [fine, coarse].map(|relief| compared(&relief, &setup, &moved(&relief, &setup), 3).unwrap());
         for figure in [same.half_cell.mean, same.half_cell.largest] {
             assert!((figure - same.cell.mean).abs() < 1e-6, "{same:?}");
         }
@@ -258,8 +294,8 @@ mod tests {
         // brings back a little of the three quarters that are missing.
         let setup = setup(0.0);
         let dome = relief(128, [2, 2], |x, y| -0.15 * (2.0 * (x - 0.5).powi(2) + 3.0 * (y - 0.5).powi(2)));
-        let target = FirstBounce::new(&dome, &setup, (SIDE, SIDE)).window([0, 0], 128).unwrap();
-        let figures = likeness(&dome, &setup, None, &target, 7).unwrap();
+        let target = sent(&dome, &setup).window([0, 0], 128).unwrap();
+        let figures = compared(&dome, &setup, &target, 7).unwrap();
         assert!(figures.cell.largest < 1e-9);
         assert!((figures.half_cell.mean - 0.68).abs() < 0.03, "{figures:?}");
         assert!(figures.half_cell.largest < 0.75);
@@ -271,18 +307,20 @@ mod tests {
         let flat = relief(16, [1, 1], |_, _| 0.0);
         let target = moved(&flat, &setup);
         let steep = PeriodicRelief { tilt: Slope::new(0.5, 0.0), ..flat };
-        let figures = likeness(&steep, &setup, None, &target, 0).unwrap();
+        let figures = compared(&steep, &setup, &target, 0).unwrap();
         assert!((figures.cell.mean - 1.0).abs() < 1e-3 && (figures.half_cell.largest - 1.0).abs() < 1e-3);
         let away = PeriodicRelief { tilt: Slope::new(5.0, 0.0), ..steep };
         let grazing = Setup::new(1.4, 0.0, 0.0, Projection::Equidistant, 0.3);
-        assert_eq!(likeness(&away, &grazing, None, &target, 0), None);
+        assert_eq!(compared(&away, &grazing, &target, 0), None);
     }
 
     #[test]
     fn light_changes_with_the_heights_alone() {
         let setup = setup(0.2);
         let relief = relief(32, [1, 1], hills(1.0));
-        let change = change(&relief, &setup);
+        let silent = Progress::silent();
+        let changed = change(&relief, &setup, &silent).unwrap();
+        let change = |z: &[f32]| changed(z).unwrap();
         assert_eq!(change(&relief.heights), 0.0);
         let raised: Vec<f32> = relief.heights.iter().map(|z| z + 0.25).collect();
         assert!(change(&raised) < 1e-3);
@@ -309,7 +347,7 @@ mod tests {
         assert!(rises([1.0, 0.0, 0.0, 0.5]) && !rises([0.0, 1.0, 1.0, 0.0]) && !rises([0.0; 4]));
         // One high node: of the four squares around it the folds run down from it, and none lies across them.
         let spike = relief(4, [1, 1], |x, y| if x == 0.5 && y == 0.5 { 0.1 } else { 0.0 });
-        let light = FirstBounce::new(&spike, &setup(0.0), (SIDE, SIDE));
+        let light = sent(&spike, &setup(0.0));
         let pixel = |k: usize| light.triangles[k].map(|g| g.pixel);
         let level = light.triangles[0][0].pixel;
         for k in [5, 6, 9, 10] {

@@ -13,6 +13,7 @@ mod files;
 mod hostile;
 mod kinds;
 mod measure;
+mod mill;
 mod milled;
 mod names;
 mod on_wall;

@@ -79,8 +79,8 @@ impl Scene {
 
     /// The same with so many times fewer rays.
     fn all_ways_with(&self, relief: &FacetedRelief, fewer: u64) -> [(&'static str, Measurement); 3] {
-        let grid = GridSurface::new(relief);
-        let mesh = MeshSurface::new(&solid(relief, 1.0).unwrap(), 0.0).unwrap();
+        let grid = GridSurface::new(relief, &Progress::silent()).unwrap();
+        let mesh = MeshSurface::new(&solid(relief, 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
         [
             ("exact", self.lit(&grid, Extent::Point, CORRECTING_RAYS / fewer)),
             ("plain", self.lit(&grid, NEARLY_POINT, RAYS / fewer)),
@@ -164,7 +164,7 @@ fn a_plane_tilted_by_t_throws_light_2t_aside() {
 fn dome(half: f64, n: usize, z: impl Fn(DVec2) -> f64) -> HeightGrid {
     let lines: Vec<f64> = (0..=n).map(|k| half * (2.0 * k as f64 / n as f64 - 1.0)).collect();
     let heights = lines.iter().flat_map(|&y| lines.iter().map(move |&x| DVec2::new(x, y))).map(z).collect();
-    HeightGrid::new(lines.clone(), lines, heights)
+    HeightGrid::new(lines.clone(), lines, heights, &Progress::silent()).unwrap()
 }
 
 fn facets_of_dome(half: f64, n: usize, z: impl Fn(DVec2) -> f64) -> FacetedRelief {
@@ -192,8 +192,8 @@ fn dome_agrees(name: &str, z: impl Fn(DVec2) -> f64 + Copy, intensity: impl Fn(f
         let (column, row) = (k % fine / (fine / 3), k / fine / (fine / 3));
         want[3 * row + column] += intensity(angle) * setup.view().solid_angle_density(uv) * 4.0 / (fine * fine) as f64;
     }
-    let surface = GridSurface::continuous(&dome(0.5, 1000, z));
-    let mesh = MeshSurface::new(&solid(&facets_of_dome(0.5, 400, z), 1.0).unwrap(), 0.0).unwrap();
+    let surface = GridSurface::continuous(&dome(0.5, 1000, z), &Progress::silent()).unwrap();
+    let mesh = MeshSurface::new(&solid(&facets_of_dome(0.5, 400, z), 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
     let ways = [
         ("exact", 1000.0, scene.lit(&surface, Extent::Point, 100_000)),
         ("plain", 1000.0, scene.plain(&surface)),
@@ -314,7 +314,7 @@ fn a_comb_of_walls_shadows_what_its_height_times_the_tangent_says() {
             );
             agrees(&format!("{way}: comb, up at {theta}"), m, Tally::up, 1.0, 5e-4);
         };
-        let panel = GridSurface::panel(&columns(&[block, gap], 4.0));
+        let panel = GridSurface::panel(&columns(&[block, gap], 4.0), &Progress::silent()).unwrap();
         check("endless, exact", &scene.lit(&panel, Extent::Point, CORRECTING_RAYS), 1.0, 3.0);
         check("endless, plain", &scene.plain(&panel), 1.0, 3.0);
         let comb = columns(&[&[block, gap].repeat(5)[..], &[block]].concat(), 4.0);
@@ -365,8 +365,8 @@ fn midpoints(from: f64, to: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn half_vectors_of_rough_plates_lie_within_a_tilt_as_their_laws_say() {
     let flat = columns(&[(10.0, 0.0, 0.0)], 10.0);
-    let mesh = MeshSurface::new(&solid(&flat, 1.0).unwrap(), 0.0).unwrap();
-    let grid = GridSurface::new(&flat);
+    let mesh = MeshSurface::new(&solid(&flat, 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
+    let grid = GridSurface::new(&flat, &Progress::silent()).unwrap();
     let alpha = 0.2;
     for (law, theta) in [MicrofacetDistribution::Ggx, MicrofacetDistribution::Beckmann]
         .into_iter()

@@ -6,6 +6,7 @@ use std::io::Cursor;
 use crate::plates::{ALL, Shape, plate};
 use facetmill::export::solid::{SolidError, solid};
 use facetmill::export::stl::{read_stl, write_stl};
+use facetmill::progress::Progress;
 use facetmill::relief::faceted::FacetedRelief;
 use facetmill::relief::mesh::Mesh;
 use facetmill::slope::Slope;
@@ -99,7 +100,7 @@ fn assert_true_to(relief: &FacetedRelief, mesh: &Mesh, name: &str) {
 }
 
 fn check(relief: &FacetedRelief, thickness: f64, name: &str) {
-    let mesh = solid(relief, thickness).unwrap_or_else(|why| panic!("{name}: {why}"));
+    let mesh = solid(relief, thickness, &Progress::silent()).unwrap_or_else(|why| panic!("{name}: {why}"));
     assert_manifold(&mesh, name);
     let base = relief.height_range().0 - thickness;
     assert_eq!(mesh.bounds().0.z, f64::from(base as f32), "{name}");
@@ -147,22 +148,22 @@ fn large_plates_with_coarse_single_precision_are_closed() {
     for shape in [Shape::Random, Shape::Eighths, Shape::Nudged, Shape::Dome] {
         let mut relief = plate(shape, 20, 20, 0.002, 0.01, 5);
         relief.x.iter_mut().for_each(|x| *x += 8000.0);
-        assert!(matches!(solid(&relief, 0.01), Err(SolidError::GridLines(..))));
+        assert!(matches!(solid(&relief, 0.01, &Progress::silent()), Err(SolidError::GridLines(..))));
         relief.x.iter_mut().for_each(|x| *x -= 6000.0);
-        assert_manifold(&solid(&relief, 0.01).unwrap(), &format!("{shape:?} far out"));
+        assert_manifold(&solid(&relief, 0.01, &Progress::silent()).unwrap(), &format!("{shape:?} far out"));
     }
 }
 
 #[test]
 fn a_flat_plate_is_its_facets_sides_and_base() {
-    let mesh = solid(&plate(Shape::Flat, 3, 2, 1.0, 0.0, 0), 1.0).unwrap();
+    let mesh = solid(&plate(Shape::Flat, 3, 2, 1.0, 0.0, 0), 1.0, &Progress::silent()).unwrap();
     assert_eq!(mesh.triangles.len(), 2 * 6 + 2 * 10 + 10);
     assert_eq!(mesh.vertices.len(), 12 + 10 + 1);
 }
 
 #[test]
 fn the_written_file_is_read_back_as_the_same_body() {
-    let mesh = solid(&plate(Shape::Random, 12, 9, 0.8, 0.0, 8).with_rim(1.0), 2.0).unwrap();
+    let mesh = solid(&plate(Shape::Random, 12, 9, 0.8, 0.0, 8).with_rim(1.0), 2.0, &Progress::silent()).unwrap();
     let mut bytes = Vec::new();
     write_stl(&mesh, &mut bytes).unwrap();
     let read = read_stl(&mut Cursor::new(&bytes)).unwrap();
@@ -181,7 +182,7 @@ fn a_relief_without_a_solid_is_refused_in_one_sentence() {
     let with = |change: fn(&mut FacetedRelief)| {
         let mut relief = good.clone();
         change(&mut relief);
-        solid(&relief, 1.0).map(|_| ()).unwrap_err()
+        solid(&relief, 1.0, &Progress::silent()).map(|_| ()).unwrap_err()
     };
     assert_eq!(with(|r| r.facets[5].height = f64::NAN), SolidError::NotFinite { column: 2, row: 1 });
     assert_eq!(with(|r| r.facets[3].slope.p = f64::INFINITY), SolidError::NotFinite { column: 0, row: 1 });
@@ -196,10 +197,10 @@ fn a_relief_without_a_solid_is_refused_in_one_sentence() {
     assert!(matches!(with(|r| r.y[3] = 1e60), SolidError::GridLines(..)));
     assert!(matches!(with(|r| r.facets[0].height = 1e9), SolidError::Heights { .. }));
     for thickness in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(solid(&good, thickness), Err(SolidError::Thickness(_))));
+        assert!(matches!(solid(&good, thickness, &Progress::silent()), Err(SolidError::Thickness(_))));
     }
-    assert!(matches!(solid(&good, 1e-6), Err(SolidError::Thin { .. })));
-    assert!(matches!(solid(&good, 1e300), Err(SolidError::Heights { .. })));
-    let Err(SolidError::Thin { least, .. }) = solid(&good, 1e-9) else { panic!("not too thin") };
-    assert_manifold(&solid(&good, least).unwrap(), "the thinnest base");
+    assert!(matches!(solid(&good, 1e-6, &Progress::silent()), Err(SolidError::Thin { .. })));
+    assert!(matches!(solid(&good, 1e300, &Progress::silent()), Err(SolidError::Heights { .. })));
+    let Err(SolidError::Thin { least, .. }) = solid(&good, 1e-9, &Progress::silent()) else { panic!("not too thin") };
+    assert_manifold(&solid(&good, least, &Progress::silent()).unwrap(), "the thinnest base");
 }

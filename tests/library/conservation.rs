@@ -67,7 +67,7 @@ fn a_white_furnace_loses_and_makes_no_light() {
         let size = relief.optical_area().1;
         for lamp in [Extent::Point, Extent::Disc { radius: 1e-8 }] {
             let scene = Scene { lamp, max_bounces: 100, ..Scene::mirror(theta, 50.0 * seed as f64, 400_000) };
-            let m = scene.lit(&GridSurface::panel(&relief));
+            let m = scene.lit(&GridSurface::panel(&relief, &Progress::silent()).unwrap());
             let whole = &m.whole;
             // Endless: what comes in is the beam over one period, no more and no less, whatever shades what.
             let ends = |t: &Tally| (t.up_single + t.up_multi + t.trapped) / size.element_product();
@@ -88,7 +88,7 @@ fn a_white_furnace_loses_and_makes_no_light() {
             // The remainder is small: what is left in deep wells after a hundred bounces.
             assert!(whole.trapped < 0.01 * whole.incident, "{} at {theta}", whole.trapped / whole.incident);
 
-            let m = scene.lit(&GridSurface::new(&relief));
+            let m = scene.lit(&GridSurface::new(&relief, &Progress::silent()).unwrap());
             let whole = &m.whole;
             // A plate with an end loses some over its rim; nothing else, and nothing unaccounted.
             let away = whole.up_single + whole.up_multi + whole.escaped_down + whole.absorbed + whole.trapped;
@@ -117,7 +117,7 @@ fn cone(setup: &Setup, n: usize, axis: DVec3, radius: f64) -> Vec<f64> {
 fn light_runs_backward_as_it_runs_forward() {
     let radius = f64::to_radians(8.0);
     for (material, seed) in [("mirror", 1), ("aluminium:ggx:0.3", 2), ("paint:0.7:beckmann:0.2", 3)] {
-        let panel = GridSurface::panel(&rugged(seed));
+        let panel = GridSurface::panel(&rugged(seed), &Progress::silent()).unwrap();
         for (a, b) in [((20.0, 10.0), (55.0, 140.0)), ((65.0, 200.0), (35.0, 60.0f64))] {
             let axis = |(theta, phi): (f64, f64)| direction(theta.to_radians(), phi.to_radians());
             let flux = |from: (f64, f64), to: (f64, f64)| {
@@ -144,7 +144,7 @@ fn light_runs_backward_as_it_runs_forward() {
 #[test]
 fn a_disc_of_light_is_the_mean_of_its_points() {
     let radius = f64::to_radians(6.0);
-    let panel = GridSurface::panel(&rugged(7));
+    let panel = GridSurface::panel(&rugged(7), &Progress::silent()).unwrap();
     let middle = direction(f64::to_radians(50.0), 1.0);
     let disc = Scene { lamp: Extent::Disc { radius }, ..Scene::mirror(50.0, 1f64.to_degrees(), 4_000_000) }.lit(&panel);
     // Even over the cap: a spiral of the golden angle.
@@ -179,7 +179,11 @@ fn light_known_in_closed_form_is_what_plain_rays_find() {
         let relief = rugged(seed);
         let rimmed = relief.with_rim(2.0);
         for (endless, theta) in [0.0, 30.0, 60.0, 80.0].into_iter().flat_map(|theta| [(false, theta), (true, theta)]) {
-            let surface = if endless { GridSurface::panel(&relief) } else { GridSurface::new(&rimmed) };
+            let surface = if endless {
+                GridSurface::panel(&relief, &Progress::silent()).unwrap()
+            } else {
+                GridSurface::new(&rimmed, &Progress::silent()).unwrap()
+            };
             let scene = |lamp: Extent, rays: u64| Scene {
                 lamp,
                 material: material.parse().unwrap(),

@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use crate::plates::{Shape, plate};
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::solid::solid;
+use facetmill::progress::Progress;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
 use facetmill::relief::height_grid::HeightGrid;
 use facetmill::relief::periodic::PeriodicRelief;
@@ -265,9 +266,14 @@ const SHAPES: [Shape; 5] = [Shape::Random, Shape::Integers, Shape::Eighths, Shap
 fn facets_and_walls_do_not_leak() {
     for shape in SHAPES {
         let relief = plate(shape, 9, 7, 1.0, 0.0, 1);
-        attack(&format!("{shape:?}"), &GridSurface::new(&relief), &relief, 60_000);
+        attack(&format!("{shape:?}"), &GridSurface::new(&relief, &Progress::silent()).unwrap(), &relief, 60_000);
         let rimmed = plate(shape, 5, 6, 0.3, 2.0, 2).with_rim(1.0);
-        attack(&format!("{shape:?} with a rim"), &GridSurface::new(&rimmed), &rimmed, 20_000);
+        attack(
+            &format!("{shape:?} with a rim"),
+            &GridSurface::new(&rimmed, &Progress::silent()).unwrap(),
+            &rimmed,
+            20_000,
+        );
     }
 }
 
@@ -275,8 +281,18 @@ fn facets_and_walls_do_not_leak() {
 fn plates_of_a_micrometre_and_of_a_kilometre_do_not_leak() {
     for (shape, cell) in SHAPES.into_iter().flat_map(|shape| [(shape, 1e-4), (shape, 1e5)]) {
         let relief = plate(shape, 9, 7, cell, 0.0, 3);
-        attack(&format!("{shape:?} of {cell} mm"), &GridSurface::new(&relief), &relief, 10_000);
-        attack(&format!("{shape:?} of {cell} mm, endless"), &GridSurface::panel(&relief), &relief, 5_000);
+        attack(
+            &format!("{shape:?} of {cell} mm"),
+            &GridSurface::new(&relief, &Progress::silent()).unwrap(),
+            &relief,
+            10_000,
+        );
+        attack(
+            &format!("{shape:?} of {cell} mm, endless"),
+            &GridSurface::panel(&relief, &Progress::silent()).unwrap(),
+            &relief,
+            5_000,
+        );
     }
 }
 
@@ -284,9 +300,19 @@ fn plates_of_a_micrometre_and_of_a_kilometre_do_not_leak() {
 fn endless_panels_do_not_leak() {
     for shape in SHAPES {
         let relief = plate(shape, 6, 5, 1.0, 0.0, 4);
-        attack(&format!("{shape:?}, endless"), &GridSurface::panel(&relief), &relief, 25_000);
+        attack(
+            &format!("{shape:?}, endless"),
+            &GridSurface::panel(&relief, &Progress::silent()).unwrap(),
+            &relief,
+            25_000,
+        );
         let one = plate(shape, 1, 1, 1.0, 0.0, 5);
-        attack(&format!("one {shape:?} cell, endless"), &GridSurface::panel(&one), &one, 5_000);
+        attack(
+            &format!("one {shape:?} cell, endless"),
+            &GridSurface::panel(&one, &Progress::silent()).unwrap(),
+            &one,
+            5_000,
+        );
     }
 }
 
@@ -311,7 +337,7 @@ fn cut(grid: &HeightGrid, rises: Option<bool>) -> HeightGrid {
     let HeightGrid { x, y, heights, rising } = grid.clone();
     match rises {
         Some(rises) => HeightGrid { rising: vec![rises; rising.len()], x, y, heights },
-        None => HeightGrid::new(x, y, heights),
+        None => HeightGrid::new(x, y, heights, &Progress::silent()).unwrap(),
     }
 }
 
@@ -319,12 +345,18 @@ fn cut(grid: &HeightGrid, rises: Option<bool>) -> HeightGrid {
 fn continuous_reliefs_do_not_leak() {
     for (seed, scale) in (0..9).map(|seed| (seed, [1.0, 1e-4, 1e5][seed as usize / 3])) {
         let grid = nodes(scale, seed);
-        attack(&format!("nodes {seed} of {scale} mm"), &GridSurface::continuous(&grid), &grid, 20_000);
+        attack(
+            &format!("nodes {seed} of {scale} mm"),
+            &GridSurface::continuous(&grid, &Progress::silent()).unwrap(),
+            &grid,
+            20_000,
+        );
         for (cuts, grid) in [Some(false), Some(true), None].map(|rises| (rises, cut(&grid, rises))) {
             let name = format!("nodes {seed} of {scale} mm, rising {cuts:?}");
-            attack(&name, &GridSurface::continuous(&grid), &grid, 8_000);
+            attack(&name, &GridSurface::continuous(&grid, &Progress::silent()).unwrap(), &grid, 8_000);
         }
-        let endless = GridSurface::continuous(&grid).endless();
+        let endless =
+            GridSurface::continuous(&grid, &Progress::silent()).unwrap().endless(&Progress::silent()).unwrap();
         attack(&format!("nodes {seed} of {scale} mm, endless"), &endless, &grid, 8_000);
     }
 }
@@ -335,7 +367,7 @@ fn meshes_of_solids_do_not_leak() {
     for shape in [Shape::Integers, Shape::Eighths, Shape::Checkerboard] {
         let mut relief = plate(shape, 9, 7, 1.0, 0.0, 1);
         relief.x[1] = 1.25;
-        let mesh = MeshSurface::new(&solid(&relief, 1.0).unwrap(), 0.0).unwrap();
+        let mesh = MeshSurface::new(&solid(&relief, 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
         attack(&format!("mesh of {shape:?}"), &mesh, &relief, 30_000);
     }
 }
@@ -350,8 +382,8 @@ fn a_grid_and_the_mesh_of_its_solid_are_met_alike() {
         let slope = Slope::new(whole(facet.slope.p, 64.0), whole(facet.slope.q, 64.0));
         *facet = Facet { height: whole(facet.height, 4096.0), slope };
     }
-    let mesh = MeshSurface::new(&solid(&relief, 1.0).unwrap(), 0.0).unwrap();
-    assert!(bounces_alike(&GridSurface::new(&relief), &mesh) > 50_000);
+    let mesh = MeshSurface::new(&solid(&relief, 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
+    assert!(bounces_alike(&GridSurface::new(&relief, &Progress::silent()).unwrap(), &mesh) > 50_000);
 }
 
 #[test]
@@ -367,10 +399,10 @@ fn a_sheet_and_the_mesh_that_is_written_are_met_alike() {
     let rising = (0..columns * rows).map(|k| sheet.rises(k % columns, k / columns)).collect();
     let step = sheet.step();
     let grid = HeightGrid { x: lines(columns, step.x), y: lines(rows, step.y), heights: nodes.collect(), rising };
-    let written = sheet_solid(&sheet, 1.0, 0.0).unwrap();
-    assert_eq!(recognise(&written), Some(Recognised::Heights(grid.clone())));
+    let written = sheet_solid(&sheet, 1.0, 0.0, &Progress::silent()).unwrap();
+    assert_eq!(recognise(&written, &Progress::silent()).unwrap(), Some(Recognised::Heights(grid.clone())));
     let mesh = MeshSurface::new(&written, 0.0).unwrap();
-    let bounces = bounces_alike(&GridSurface::continuous(&grid), &mesh);
+    let bounces = bounces_alike(&GridSurface::continuous(&grid, &Progress::silent()).unwrap(), &mesh);
     assert!(bounces > 30_000, "{bounces}");
 }
 
@@ -424,9 +456,9 @@ fn numbers_that_are_none_meet_nothing_or_something_finite() {
             assert!(finite(surface.next(&hit, d)), "trial {trial}: from a facet along {d:?}");
         }
     }
-    check(&GridSurface::new(&relief), &specks);
-    check(&GridSurface::panel(&relief), &specks);
-    check(&GridSurface::continuous(&nodes(1.0, 0)), &specks);
-    let mesh = MeshSurface::new(&solid(&relief, 1.0).unwrap(), 0.0).unwrap();
+    check(&GridSurface::new(&relief, &Progress::silent()).unwrap(), &specks);
+    check(&GridSurface::panel(&relief, &Progress::silent()).unwrap(), &specks);
+    check(&GridSurface::continuous(&nodes(1.0, 0), &Progress::silent()).unwrap(), &specks);
+    let mesh = MeshSurface::new(&solid(&relief, 1.0, &Progress::silent()).unwrap(), 0.0).unwrap();
     check(&mesh, &specks);
 }

@@ -57,8 +57,10 @@ fn same_light(what: &str, a: &Measurement, b: &Measurement, tilt: f64) {
 
 /// What `recognise` gives back of the solid of `relief`, held against it.
 fn known_again(what: &str, relief: &FacetedRelief) -> FacetedRelief {
-    let mesh = solid(relief, 1.0).unwrap();
-    let Some(Recognised::Facets(back)) = recognise(&mesh) else { panic!("{what} is not known again") };
+    let mesh = solid(relief, 1.0, &Progress::silent()).unwrap();
+    let Some(Recognised::Facets(back)) = recognise(&mesh, &Progress::silent()).unwrap() else {
+        panic!("{what} is not known again")
+    };
     assert_eq!((back.columns(), back.rows()), (relief.columns(), relief.rows()), "{what}");
     let (low, high) = mesh.bounds();
     let single = f64::from(f32::EPSILON) * low.abs().max(high.abs()).max_element();
@@ -93,9 +95,9 @@ fn the_relief_known_again_sends_light_as_the_relief_and_the_mesh_do() {
     for (shape, seed) in [(Shape::Random, 1), (Shape::Eighths, 2), (Shape::Nudged, 3), (Shape::Checkerboard, 4)] {
         let relief = plate(shape, 14, 11, 1.0, 0.0, seed).with_rim(1.5);
         let back = known_again("traced plate", &relief);
-        let mesh = MeshSurface::new(&solid(&relief, 1.0).unwrap(), 1.5).unwrap();
-        let grid = GridSurface::new(&relief);
-        let again = GridSurface::new(&back).lit_within(relief.optical_area());
+        let mesh = MeshSurface::new(&solid(&relief, 1.0, &Progress::silent()).unwrap(), 1.5).unwrap();
+        let grid = GridSurface::new(&relief, &Progress::silent()).unwrap();
+        let again = GridSurface::new(&back, &Progress::silent()).unwrap().lit_within(relief.optical_area());
         for theta in [0.0, 35.0, 70.0] {
             let what = format!("{shape:?} at {theta}");
             let (a, b, c) = (lit(&grid, theta), lit(&again, theta), lit(&mesh, theta));
@@ -108,14 +110,15 @@ fn the_relief_known_again_sends_light_as_the_relief_and_the_mesh_do() {
 #[test]
 fn a_continuous_mesh_is_known_node_for_node_and_sends_the_same_light() {
     let mesh = waves();
-    let Some(Recognised::Heights(grid)) = recognise(&mesh) else { panic!("not known") };
+    let Some(Recognised::Heights(grid)) = recognise(&mesh, &Progress::silent()).unwrap() else { panic!("not known") };
     assert_eq!((grid.x.len(), grid.y.len()), (49, 49));
     assert!(grid.rising.iter().all(|&rises| !rises));
     for (k, z) in grid.heights.iter().enumerate() {
         let vertex = mesh.vertices[49 * 49 + k].map(f64::from);
         assert_eq!([grid.x[k % 49], grid.y[k / 49], *z], vertex, "node {k}");
     }
-    let (surface, triangles) = (GridSurface::continuous(&grid), MeshSurface::new(&mesh, 0.0).unwrap());
+    let (surface, triangles) =
+        (GridSurface::continuous(&grid, &Progress::silent()).unwrap(), MeshSurface::new(&mesh, 0.0).unwrap());
     for theta in [0.0, 40.0, 75.0] {
         same_light(&format!("waves at {theta}"), &lit(&surface, theta), &lit(&triangles, theta), 1e-6);
     }
@@ -130,20 +133,26 @@ fn moved(mesh: &Mesh, to: impl Fn(DVec3) -> DVec3) -> Mesh {
 #[test]
 fn what_is_no_relief_on_a_grid_is_left_alone() {
     let relief = plate(Shape::Random, 8, 6, 1.0, 0.0, 1);
-    let (faceted, continuous) = (solid(&relief, 1.0).unwrap(), waves());
+    let (faceted, continuous) = (solid(&relief, 1.0, &Progress::silent()).unwrap(), waves());
     for mesh in [&faceted, &continuous] {
         for degrees in [0.1, 10.0, 45.0f64] {
             let turned = moved(mesh, |v| glam::DMat3::from_rotation_z(degrees.to_radians()) * v);
-            assert_eq!(recognise(&turned), None, "turned by {degrees} degrees");
+            assert_eq!(recognise(&turned, &Progress::silent()).unwrap(), None, "turned by {degrees} degrees");
             let tilted = moved(mesh, |v| glam::DMat3::from_rotation_x(degrees.to_radians()) * v);
-            assert_eq!(recognise(&tilted), None, "tilted by {degrees} degrees");
+            assert_eq!(recognise(&tilted, &Progress::silent()).unwrap(), None, "tilted by {degrees} degrees");
         }
-        assert!(recognise(&moved(mesh, |v| v + DVec3::new(100.0, -50.0, 8.0))).is_some(), "only moved");
+        assert!(
+            recognise(&moved(mesh, |v| v + DVec3::new(100.0, -50.0, 8.0)), &Progress::silent()).unwrap().is_some(),
+            "only moved"
+        );
     }
     // A quarter turn maps a grid to a grid; its squares are then cut the other way.
     let quarter = |v: DVec3| DVec3::new(-v.y, v.x, v.z);
-    assert!(matches!(recognise(&moved(&faceted, quarter)), Some(Recognised::Facets(_))));
-    let Some(Recognised::Heights(turned)) = recognise(&moved(&continuous, quarter)) else { panic!("not known") };
+    assert!(matches!(recognise(&moved(&faceted, quarter), &Progress::silent()).unwrap(), Some(Recognised::Facets(_))));
+    let Some(Recognised::Heights(turned)) = recognise(&moved(&continuous, quarter), &Progress::silent()).unwrap()
+    else {
+        panic!("not known")
+    };
     assert!(turned.rising.iter().all(|&rises| rises));
 
     let (rings, around) = (12u32, 24u32);
@@ -158,5 +167,5 @@ fn what_is_no_relief_on_a_grid_is_left_alone() {
         let [a, b, c, d] = [at(ring, k), at(ring + 1, k), at(ring + 1, k + 1), at(ring, k + 1)];
         sphere.triangles.extend([[a, b, c], [a, c, d]]);
     }
-    assert_eq!(recognise(&sphere), None);
+    assert_eq!(recognise(&sphere, &Progress::silent()).unwrap(), None);
 }

@@ -135,7 +135,7 @@ fn a_rough_plate_looks_as_in_mitsuba() {
     let stl = folder.path().join("plate.stl");
     write_stl(&plate.mesh, &mut BufWriter::new(File::create(&stl).unwrap())).unwrap();
 
-    let (surface, setup) = (GridSurface::new(&plate.relief), recipe.setup());
+    let (surface, setup) = (GridSurface::new(&plate.relief, &Progress::silent()).unwrap(), recipe.setup());
     let material = "aluminium:ggx:0.2".parse().unwrap();
     let experiment =
         Experiment { surface: &surface, setup: &setup, material, lamp: setup.lamp().with_extent(Extent::Point).into() };
@@ -157,7 +157,7 @@ fn a_rough_plate_looks_as_in_mitsuba() {
 fn a_brushed_ball_looks_as_in_mitsuba() {
     let flat = FacetedRelief::uniform(1, 1, DVec2::ONE, vec![Facet { height: 0.0, slope: Slope::FLAT }]);
     let setup = Setup::new(0.6, 1.2, 0.0, Projection::Equidistant, 0.3);
-    let panel = GridSurface::panel(&flat);
+    let panel = GridSurface::panel(&flat, &Progress::silent()).unwrap();
     let material = "brass:ggx:0.15,0.4".parse().unwrap();
     let experiment =
         Experiment { surface: &panel, setup: &setup, material, lamp: setup.lamp().with_extent(Extent::Point).into() };
@@ -180,7 +180,8 @@ fn a_ball_of_the_exported_bsdf_looks_as_one_that_wears_the_relief() {
     let recipe = Recipe::from_toml("highlight = { half-field = 15 }\ndesign = { arrange = 'transport' }").unwrap();
     let path = format!("{}/examples/highlights/letter.png", env!("CARGO_MANIFEST_DIR"));
     let light = read(path.as_ref(), &recipe.reading()).unwrap().light;
-    let panel = GridSurface::panel(&design(&recipe, &light, &Progress::silent()).unwrap().relief);
+    let panel =
+        GridSurface::panel(&design(&recipe, &light, &Progress::silent()).unwrap().relief, &Progress::silent()).unwrap();
     let setup = Setup::new(f64::to_radians(30.0), f64::to_radians(70.0), 0.0, Projection::Equidistant, 0.3);
     let material = "aluminium:ggx:0.2".parse().unwrap();
     let experiment =

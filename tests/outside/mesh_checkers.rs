@@ -57,7 +57,7 @@ fn designed(picture: &str, recipe: &str) -> Mesh {
 
 /// More than thirty plates of every kind, from 1 × 1 to 200 × 200 facets, in the folder where Cargo lets tests leave files.
 static WRITTEN: LazyLock<Vec<PathBuf>> = LazyLock::new(|| {
-    let closed = |relief| solid(&relief, 2.0).unwrap();
+    let closed = |relief| solid(&relief, 2.0, &Progress::silent()).unwrap();
     let mut meshes = vec![
         ("one_cell".to_string(), closed(plate(Shape::Random, 1, 1, 1.0, 0.0, 1))),
         ("one_row".to_string(), closed(plate(Shape::Random, 40, 1, 0.5, 0.0, 2))),

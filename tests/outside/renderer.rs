@@ -73,7 +73,7 @@ fn a_measured_plate_of_random_order_renders_without_a_warning_or_a_negative_valu
         Facet { height: 1.0, slope: Slope::new(slope(), slope()) }
     });
     let relief = FacetedRelief::uniform(30, 30, DVec2::splat(30.0), facets.collect());
-    let surface = GridSurface::new(&relief).endless();
+    let surface = GridSurface::new(&relief, &Progress::silent()).unwrap().endless(&Progress::silent()).unwrap();
     let material: Material = "aluminium:ggx:0.05".parse().unwrap();
     let axes = BrdfAxes::anisotropic(polar(8), 4, 64, 64).unwrap();
     let measuring = Measuring { rays: 20_000, ..Measuring::default() };

@@ -9,6 +9,7 @@ use facetmill::memory::TooMuchMemory;
 use facetmill::picture::PictureError;
 use facetmill::progress::Cancelled;
 use facetmill::report::text;
+use facetmill::verify::tally::MeasureError;
 use serde::Serialize;
 use serde_json::json;
 
@@ -44,6 +45,14 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Of a measurement that did not come about: what `unlit` says where no light fell.
+    pub fn of_measure(error: MeasureError, unlit: impl Into<String>) -> Self {
+        match error {
+            MeasureError::Cancelled(cancelled) => cancelled.into(),
+            _ => Self::Impossible(unlit.into()),
+        }
+    }
+
     fn exit_code(&self) -> u8 {
         match self {
             Self::Beyond(_) => 1,

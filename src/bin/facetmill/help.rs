@@ -8,7 +8,7 @@ use crate::args::Cli;
 pub const ALL: &str = "--help-all";
 
 /// Flags that `--help` shows, for each command; what is not a flag is always shown. A command that is not here has few.
-const MOST_NEEDED: [(&str, &[&str]); 3] = [
+const MOST_NEEDED: [(&str, &[&str]); 4] = [
     (
         "design",
         &[
@@ -71,6 +71,22 @@ const MOST_NEEDED: [(&str, &[&str]); 3] = [
             "rays",
             "error",
             "resolution",
+            "force",
+            "verbose",
+        ],
+    ),
+    (
+        "mill",
+        &[
+            "output",
+            "machine",
+            "dialect",
+            "cutter",
+            "stepover",
+            "polish",
+            "material",
+            "stock_over",
+            "rough_cutter",
             "force",
             "verbose",
         ],

@@ -43,6 +43,16 @@ pub fn of(args: &MachiningArgs, settings: &MachiningSettings, recipe: &Recipe) -
             "{alone} is for a plate that a machine makes: name one with --machine too"
         )));
     }
+    Ok(machining)
+}
+
+/// The same, if the light of what it makes can be proved.
+pub fn proved(
+    args: &MachiningArgs,
+    settings: &MachiningSettings,
+    recipe: &Recipe,
+) -> Result<Option<Machining>, Failure> {
+    let machining = of(args, settings, recipe)?;
     if machining.is_some() && recipe.is_near() {
         return Err(Failure::Usage(
             "--machine: the proof as made is for lamps and walls far away; leave the scene's flags out, or take --machine none"

@@ -38,6 +38,10 @@ mod astray;
 
 mod verify;
 
+mod mill_tables;
+
+mod mill;
+
 mod design;
 
 use std::process::ExitCode;
@@ -61,6 +65,7 @@ fn main() -> ExitCode {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
         Command::Measure(args) => &args.running,
+        Command::Mill(args) => &args.running,
         Command::Completions { shell } => return manual::written(manual::completions(*shell)),
         Command::Man => return manual::written(manual::page()),
     };
@@ -81,6 +86,7 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
             Command::Design(args) => design::run(args, &run),
             Command::Verify(args) => verify::run(args, &run),
             Command::Measure(args) => measure::run(args, &run),
+            Command::Mill(args) => mill::run(args, &run),
             Command::Completions { .. } | Command::Man => Ok(()),
         }
     };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use facetmill::export::mesh_files::read_mesh;
 use facetmill::memory::{MemoryLimit, Need, TooMuchMemory};
+use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
 use facetmill::relief::mesh::Mesh;
 use facetmill::relief::placement::{Axis, faces_turned, is_inside_out, relief_side, scaled, upright};
@@ -13,7 +14,7 @@ use facetmill::report::design::Mount;
 use facetmill::slope::direction;
 use facetmill::trace::Surface;
 use facetmill::trace::mesh::MeshSurfaceError;
-use facetmill::trace::traced_plate::{Task, TracedPlate};
+use facetmill::trace::traced_plate::{Task, TracedPlate, TracedPlateError};
 use glam::DVec3;
 
 use crate::args::PlacingArgs;
@@ -72,7 +73,13 @@ const SHORT: f64 = 5.0;
 
 /// Reads the mesh at `path`, if that and what is to be done then may take so much memory, and lays it down; its rim of
 /// `margin` mm is no optical area.
-pub fn open(path: &Path, margin: f64, placing: &PlacingArgs, memory: (MemoryLimit, Need)) -> Result<Opened, Failure> {
+pub fn open(
+    path: &Path,
+    margin: f64,
+    placing: &PlacingArgs,
+    memory: (MemoryLimit, Need),
+    progress: &Progress,
+) -> Result<Opened, Failure> {
     if !(0.0..=10_000.0).contains(&margin) {
         return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
     }
@@ -87,11 +94,12 @@ pub fn open(path: &Path, margin: f64, placing: &PlacingArgs, memory: (MemoryLimi
             "{name}: the plate is {length:.1e} mm long: meshes have no unit, so say with --unit which it is"
         )));
     }
-    let plate = TracedPlate::new(&mesh, margin).map_err(|error| match error {
-        MeshSurfaceError::Margin { .. } if margin > 0.0 => Failure::Impossible(format!(
+    let plate = TracedPlate::new(&mesh, margin, progress).map_err(|error| match error {
+        TracedPlateError::Cancelled(cancelled) => cancelled.into(),
+        TracedPlateError::Mesh(MeshSurfaceError::Margin { .. }) if margin > 0.0 => Failure::Impossible(format!(
             "{name}: a --margin of {margin} mm leaves nothing of the plate: check units, and lower --margin"
         )),
-        MeshSurfaceError::Margin { .. } => Failure::Input(format!(
+        TracedPlateError::Mesh(MeshSurfaceError::Margin { .. }) => Failure::Input(format!(
             "{name}: all points of the plate lie on a line, seen from above: nothing can reflect"
         )),
         error => Failure::Input(format!("{name}: {error}")),
@@ -112,7 +120,7 @@ pub fn open(path: &Path, margin: f64, placing: &PlacingArgs, memory: (MemoryLimi
         relief_height_mm: heights.1 - heights.0,
         traced_as: plate.kind(),
     };
-    let bare = if margin > 0.0 { TracedPlate::without_rim(&mesh, margin) } else { None };
+    let bare = if margin > 0.0 { TracedPlate::without_rim(&mesh, margin, progress)? } else { None };
     Ok(Opened { plate, bare, size, triangles: mesh.triangles.len(), advice, facts, mesh })
 }
 

@@ -8,6 +8,7 @@ use facetmill::distribution::SlopeDistribution;
 use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::highlight::scored_target;
 use facetmill::job::pictures::as_seen;
+use facetmill::progress::Progress;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
 use facetmill::relief::periodic::PeriodicRelief;
@@ -110,8 +111,8 @@ impl<'a> Snapshots<'a> {
         let cell = self.recipe.sculpting().cell;
         let (nodes, heights) = (at.nodes, at.heights.clone());
         let relief = PeriodicRelief { nodes, heights, cell, cells: [1, 1], tilt: distribution.mean };
-        let sent = FirstBounce::new(&relief, setup, (SIDE, SIDE)).window([0, 0], nodes);
-        let sent = sent.unwrap_or_else(|| Raster::zeros(SIDE, SIDE));
+        let sent = FirstBounce::new(&relief, setup, (SIDE, SIDE), &Progress::silent());
+        let sent = sent.ok().and_then(|sent| sent.window([0, 0], nodes)).unwrap_or_else(|| Raster::zeros(SIDE, SIDE));
         let light = self.recipe.blur(setup).map_or_else(|| sent.clone(), |blur| seen(&sent, &blur));
         let see = |raster: &Raster| as_seen(raster, self.recipe, setup.view());
         let target = see(&scored_target(self.light, self.recipe.highlight.quantity, setup, SIDE));

@@ -113,7 +113,7 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
 }
 
 /// A line without a figure of its own.
-fn told(name: &str, what: String) -> Row {
+pub fn told(name: &str, what: String) -> Row {
     row(name, "", what)
 }
 
@@ -134,7 +134,7 @@ fn goal(facts: &GoalFacts) -> Vec<Row> {
 }
 
 /// A path, as it is told.
-fn shown(path: &Path) -> String {
+pub fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 

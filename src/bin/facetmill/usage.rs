@@ -27,7 +27,8 @@ pub fn answer(error: &clap::Error) -> u8 {
         }
         _ => {
             let words: Vec<_> = std::env::args_os().skip(1).collect();
-            let command = words.iter().find(|word| ["design", "verify", "measure"].iter().any(|name| *word == name));
+            let command =
+                words.iter().find(|word| ["design", "verify", "measure", "mill"].iter().any(|name| *word == name));
             let message = error.render().to_string();
             let name = command.and_then(|command| command.to_str()).unwrap_or_default();
             let message = better_hint(error, name).unwrap_or_else(|| sentence(&message));
@@ -132,7 +133,7 @@ mod tests {
             ("design a.png -o b --size 100x60mm", &["--size", "leave out the unit 'mm' and write 60"]),
             ("design a.png -o b --thickness 5mm", &["--thickness", "leave out the unit 'mm' and write 5"]),
             ("design a.png -o b --half-field 20°", &["--half-field", "leave out the unit '°' and write 20"]),
-            ("mill", &["unrecognized subcommand 'mill'"]),
+            ("drill", &["unrecognized subcommand 'drill'"]),
         ] {
             let sentence = said(line);
             assert!(parts.iter().all(|part| sentence.contains(part)), "{line}: {sentence}");

@@ -60,7 +60,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     if args.settings.has("as-made-stl") && args.output.is_none() {
         return Err(Failure::Usage("--as-made-stl needs a folder to write into: name one with -o".into()));
     }
-    let machining = machining::of(&args.machining, &making, &recipe)?;
+    let machining = machining::proved(&args.machining, &making, &recipe)?;
     if args.settings.has("as-made-stl") && machining.as_ref().is_some_and(|machining| machining.polish.is_none()) {
         return Err(Failure::Usage("--as-made-stl is for a plate that is polished: give --polish too".into()));
     }
@@ -81,7 +81,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let image = Need::new(tally::bytes(pixels), "the image of the light", "decimate the plate's mesh");
     let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
     let margin = args.margin.unwrap_or(border);
-    let opened = plates::open(&stl, margin, &args.placing, (limit, image))?;
+    let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
     let plate = opened.size.truncate() - 2.0 * margin;
     let task = machining.map(|machining| machining::Task::new(machining, making.draws, plate, limit)).transpose()?;
     let picture = inputs::picture(&path, &recipe.reading(), limit)?;
@@ -98,7 +98,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let report = report(args, &recipe, &opened, &proof, (&picture, &path, &setup, margin));
     if let Some(staged) = &mut staged {
         let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| making.as_made_stl);
-        write(staged, &proof, &recipe, &opened, (&report, &setup), surface)?;
+        write(staged, &proof, &recipe, &opened, (&report, &setup), (surface, &progress))?;
     }
     if let Some(staged) = staged {
         staged.publish()?;
@@ -218,10 +218,13 @@ fn in_room(
     let room = RoomProof { recipe, light, scene, mirrored };
     let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
     let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
-    let rim = thrown.as_ref().filter(|_| margin > 0.0).map(|thrown| {
-        let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) });
-        rim_proof(light, thrown, BorderFinish::Matt)
-    });
+    let rim = match &thrown {
+        Some(thrown) if margin > 0.0 => {
+            let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) })?;
+            Some(rim_proof(light, thrown, BorderFinish::Matt))
+        }
+        _ => None,
+    };
     let (measurement, verdict, designed) = room.judged(thrown, None)?;
     let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
     Ok(Proof { target, measurement, verdict, sheet: None, milled: None, made: None, rim, wall })
@@ -253,11 +256,10 @@ fn proof(
 ) -> Result<Proof, Failure> {
     progress.stage(Stage::Tracing);
     let measuring = recipe.measuring();
-    let no_light = || {
-        Failure::Impossible(format!(
-            "{}: no light reaches the highlight image: check units, orientation and --light",
-            plate.display()
-        ))
+    let unlit = |error| {
+        let name = plate.display();
+        let what = format!("{name}: no light reaches the highlight image: check units, orientation and --light");
+        Failure::of_measure(error, what)
     };
     let metal = recipe.metal();
     let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
@@ -269,20 +271,20 @@ fn proof(
         return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
     }
     let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
-    let measurement = opened.plate.run(mirrored);
-    let over_rim = (margin > 0.0).then(|| opened.plate.run(OverRim { mirrored, width: margin, scene: None }));
-    let rim = over_rim.zip(measurement.as_ref()).map(|(light, measurement)| RimProof {
+    let measurement = opened.plate.run(mirrored).map_err(unlit)?;
+    let over = OverRim { mirrored, width: margin, scene: None };
+    let over_rim = if margin > 0.0 { Some(opened.plate.run(over)?) } else { None };
+    let rim = over_rim.map(|light| RimProof {
         counts: plate.is_dir() && recipe.border_finish() != BorderFinish::Matt,
-        ..RimProof::dull(light, measurement)
+        ..RimProof::dull(light, &measurement)
     });
-    let judged = |measurement: Option<Measurement>| {
-        let measurement = measurement.ok_or_else(no_light)?;
+    let judged = |measurement: Measurement| {
         progress.stage(Stage::Scoring);
         let measurement = match &rim {
             Some(rim) if rim.counts => rim.light.over(measurement),
             _ => measurement,
         };
-        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).ok_or_else(no_light)?;
+        let verdict = Verdict::new(&measurement, &target, setup.view(), progress).map_err(unlit)?;
         Ok::<_, Failure>((measurement, verdict))
     };
     let (measurement, verdict) = judged(measurement)?;
@@ -332,7 +334,7 @@ fn write(
     recipe: &Recipe,
     opened: &Opened,
     (report, setup): (&VerifyReport, &Setup),
-    surface: Option<&OpenRelief>,
+    (surface, progress): (Option<&OpenRelief>, &Progress),
 ) -> Result<(), Failure> {
     let size = opened.size;
     staged.write_png("target.png", &target_picture(&proof.target, recipe))?;
@@ -340,7 +342,7 @@ fn write(
         "{:.2} × {:.2} mm, {} triangles   ·   light at {}°, {}°   ·   half field {}°",
         size.x, size.y, opened.triangles, recipe.light.theta, recipe.light.phi, recipe.highlight.half_field
     );
-    let pictures = ProofPictures::new(proof, recipe, setup.view(), &footer);
+    let pictures = ProofPictures::new(proof, recipe, setup.view(), &footer, progress)?;
     staged.write_png("simulated.png", &pictures.simulated)?;
     staged.write_png("comparison.png", &pictures.comparison)?;
     if let Some(milled) = &pictures.milled {
@@ -350,7 +352,7 @@ fn write(
         staged.write_png("comparison_made.png", made)?;
     }
     if let Some(surface) = surface {
-        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0).map_err(DesignError::from)?;
+        let solid = sheet_solid(surface, recipe.plate.thickness, 0.0, progress).map_err(DesignError::from)?;
         staged.write("as-made.stl", |out| write_stl(&solid, out))?;
     }
     staged.write_bytes("report.json", text(report).as_bytes())?;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::super::heightmap::interval;
 use super::super::pixels::{byte, srgb_encoded};
 use super::{lit, round_exaggeration};
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 
 /// Samples along each side of a pixel.
@@ -35,12 +36,15 @@ pub struct FacetPlan<'a> {
 
 impl FacetPlan<'_> {
     /// All of the plan, `width` × `height` pixels.
-    pub fn picture(&self, width: u32, height: u32) -> RgbImage {
+    pub fn picture(&self, width: u32, height: u32, progress: &Progress) -> Result<RgbImage, Cancelled> {
         let rows: Vec<Vec<Rgb<u8>>> = (0..height)
             .into_par_iter()
-            .map(|row| (0..width).map(|column| self.pixel(column, row, width, height)).collect())
-            .collect();
-        RgbImage::from_fn(width, height, |x, y| rows[y as usize][x as usize])
+            .map(|row| {
+                progress.check()?;
+                Ok((0..width).map(|column| self.pixel(column, row, width, height)).collect())
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(RgbImage::from_fn(width, height, |x, y| rows[y as usize][x as usize]))
     }
 
     fn pixel(&self, column: u32, row: u32, width: u32, height: u32) -> Rgb<u8> {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::super::heightmap::interval;
 use super::super::pixels::{byte, srgb_encoded};
 use super::{lit, round_exaggeration};
+use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
 
 /// Strength of a contour line.
@@ -25,11 +26,18 @@ pub struct CornerHeights {
 
 impl CornerHeights {
     /// Of `relief`: of its facets' planes, or if it is `continuous` of the surface through the corners where they meet.
-    pub fn new(relief: &FacetedRelief, continuous: bool, [columns, rows]: [usize; 2]) -> Self {
+    pub fn new(
+        relief: &FacetedRelief,
+        continuous: bool,
+        [columns, rows]: [usize; 2],
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let (low, high) = relief.bounds();
         let pixel = (high - low).truncate() / DVec2::new(columns as f64, rows as f64);
+        progress.check()?;
         let nodes = if continuous { Some(node_heights(relief)) } else { None };
         let row = |r: usize| {
+            progress.check()?;
             let y = high.y - r as f64 * pixel.y;
             let j = interval(&relief.y, y);
             let at = |c: usize| {
@@ -46,10 +54,10 @@ impl CornerHeights {
                     }
                 }
             };
-            (0..=columns).map(at).collect::<Vec<f64>>()
+            Ok((0..=columns).map(at).collect::<Vec<f64>>())
         };
-        let values = (0..=rows).into_par_iter().map(row).collect::<Vec<_>>().concat();
-        Self { columns, rows, pixel, values }
+        let values = (0..=rows).into_par_iter().map(row).collect::<Result<Vec<_>, Cancelled>>()?.concat();
+        Ok(Self { columns, rows, pixel, values })
     }
 
     fn corner(&self, column: usize, row: usize) -> f64 {
@@ -146,7 +154,7 @@ mod tests {
     fn a_continuous_relief_shows_no_grid_of_its_own() {
         // Nodes a little finer or coarser than pixels would beat with them: rows of one wave must look alike.
         for nodes in [90, 110, 300] {
-            let heights = CornerHeights::new(&wave(nodes), true, [100, 100]);
+            let heights = CornerHeights::new(&wave(nodes), true, [100, 100], &Progress::silent()).unwrap();
             let (plan, exaggeration) = heights.shaded(-0.2, 0.2);
             assert!(exaggeration > 1.0);
             for y in 1..100 {
@@ -166,7 +174,7 @@ mod tests {
     fn contours_stand_where_the_height_is_a_multiple_of_the_step() {
         let slope = Slope::new(0.1, 0.0);
         let plane = FacetedRelief::uniform(1, 1, DVec2::splat(10.0), vec![Facet { height: 0.5, slope }]);
-        let heights = CornerHeights::new(&plane, false, [100, 100]);
+        let heights = CornerHeights::new(&plane, false, [100, 100], &Progress::silent()).unwrap();
         let mut plan = RgbImage::from_pixel(100, 100, Rgb([200; 3]));
         heights.contours(&mut plan, 0.2);
         // Heights 0 to 1 over 100 pixels: lines at 0, 0.2, 0.4 … are 20 pixels apart.

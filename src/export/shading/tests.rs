@@ -14,8 +14,9 @@ fn brightness(p: &Rgb<u8>) -> u32 {
 }
 
 fn picture(relief: &FacetedRelief, pixels: usize) -> RgbImage {
-    let [facets, sheet] =
-        [false, true].map(|continuous| ReliefPicture { relief, continuous, made_of: "one facet" }.picture(pixels));
+    let [facets, sheet] = [false, true].map(|continuous| {
+        ReliefPicture { relief, continuous, made_of: "one facet" }.picture(pixels, &Progress::silent()).unwrap()
+    });
     assert_eq!(facets.dimensions(), sheet.dimensions());
     facets
 }

@@ -23,7 +23,8 @@ pub(crate) fn arrange_per_cell(
     if each <= 1 {
         return arrange(slopes, columns, rows, 0);
     }
-    kd::group(&mut slopes, each, &|s: &Slope| s.to_vec(), &Progress::silent());
+    // Nothing can abandon it.
+    let _ = kd::group(&mut slopes, each, &|s: &Slope| s.to_vec(), &Progress::silent());
     let (width, height) = (columns / across, rows / up);
     let mut grid = SlopeGrid { columns, rows, slopes: vec![Slope::FLAT; columns * rows] };
     for cell in 0..each {

@@ -18,7 +18,10 @@ use crate::raster::Raster;
 pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Vec<DVec2> {
     let size = atoms_per_cell(n);
     let mut atoms = equal_mass_atoms(density, n * size);
-    kd::group(&mut atoms, size, &|atom| atom.as_dvec2(), progress);
+    if kd::group(&mut atoms, size, &|atom| atom.as_dvec2(), &progress.until_finish()).is_err() {
+        // There are no cells yet: atoms as heavy as they would be stand for them.
+        return equal_mass_atoms(density, n).iter().map(|atom| atom.as_dvec2()).collect();
+    }
     let mut centres: Vec<Vec2> = atoms.chunks(size).map(centroid).collect();
     let mut scratch = Vec::with_capacity(2 * size);
     for sweep in 0..SWEEPS {
@@ -27,7 +30,8 @@ pub fn equal_mass_centres(density: &Raster, n: usize, progress: &Progress) -> Ve
             break;
         }
         let mut moved = 0.0f64;
-        for (k, (a, b)) in neighbours(&centres, MOST, progress).into_iter().enumerate() {
+        let Ok(pairs) = neighbours(&centres, MOST, &progress.until_finish()) else { break };
+        for (k, (a, b)) in pairs.into_iter().enumerate() {
             if k.is_multiple_of(PAIRS_A_QUESTION) && progress.is_to_finish() {
                 break;
             }

@@ -3,11 +3,11 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 
 /// Pairs (a, b), a < b, in ascending order, of points of which one is among the `count` nearest of the other
-/// (`count` at most [`MOST`]). Abandoned, it returns at once some of them.
-pub fn neighbours(points: &[Vec2], count: usize, progress: &Progress) -> Vec<(usize, usize)> {
+/// (`count` at most [`MOST`]).
+pub fn neighbours(points: &[Vec2], count: usize, progress: &Progress) -> Result<Vec<(usize, usize)>, Cancelled> {
     let tree = Tree::new(points);
     let near = |a: usize| {
         let mut nearest = Nearest::new(count);
@@ -15,14 +15,47 @@ pub fn neighbours(points: &[Vec2], count: usize, progress: &Progress) -> Vec<(us
         nearest.found.into_iter().take(nearest.len).map(move |(_, b)| (a.min(b), a.max(b)))
     };
     let stretch = |k: usize| {
-        let end = if progress.is_abandoned() { 0 } else { points.len() };
-        (STRETCH * k..(STRETCH * (k + 1)).min(end)).flat_map(near)
+        progress.check()?;
+        Ok((STRETCH * k..(STRETCH * (k + 1)).min(points.len())).flat_map(near).collect())
     };
     let stretches = points.len().div_ceil(STRETCH);
-    let mut pairs: Vec<_> = (0..stretches).into_par_iter().flat_map_iter(stretch).collect();
-    pairs.par_sort_unstable();
-    pairs.dedup();
-    pairs
+    let pairs = (0..stretches).into_par_iter().map(stretch).collect::<Result<Vec<Vec<_>>, Cancelled>>()?;
+    in_order(&pairs, points.len(), progress)
+}
+
+/// All `pairs` of numbers below `n`, each once and in ascending order: dealt out by their first numbers.
+fn in_order(pairs: &[Vec<(usize, usize)>], n: usize, progress: &Progress) -> Result<Vec<(usize, usize)>, Cancelled> {
+    // Each list's end is found by filling it, and is the next one's start.
+    let mut starts = vec![0usize; n + 2];
+    for some in pairs {
+        some.iter().for_each(|(a, _)| starts[a + 2] += 1);
+    }
+    progress.check()?;
+    for a in 1..starts.len() {
+        starts[a] += starts[a - 1];
+    }
+    let mut seconds = vec![0usize; starts[n + 1]];
+    for some in pairs {
+        progress.check()?;
+        for &(a, b) in some {
+            seconds[starts[a + 1]] = b;
+            starts[a + 1] += 1;
+        }
+    }
+    let mut ordered = Vec::with_capacity(seconds.len());
+    for some in progress.stretches(n) {
+        for a in some? {
+            let seconds = &mut seconds[starts[a]..starts[a + 1]];
+            seconds.sort_unstable();
+            let from = ordered.len();
+            for &mut b in seconds {
+                if ordered[from..].last() != Some(&(a, b)) {
+                    ordered.push((a, b));
+                }
+            }
+        }
+    }
+    Ok(ordered)
 }
 
 /// Points whose neighbours are found between two questions whether to go on.
@@ -157,10 +190,10 @@ mod tests {
 
     #[test]
     fn pairs_are_named_once_and_in_order() {
-        assert_eq!(neighbours(&[], 8, &Progress::silent()), []);
+        assert_eq!(neighbours(&[], 8, &Progress::silent()), Ok(vec![]));
         let corners = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(5.0, 0.0)];
-        assert_eq!(neighbours(&corners, 1, &Progress::silent()), [(0, 1), (1, 2)]);
-        let pairs = neighbours(&[Vec2::ONE; 50], 8, &Progress::silent());
+        assert_eq!(neighbours(&corners, 1, &Progress::silent()), Ok(vec![(0, 1), (1, 2)]));
+        let pairs = neighbours(&[Vec2::ONE; 50], 8, &Progress::silent()).unwrap();
         assert!(pairs.len() >= 50 * 8 / 2 && pairs.iter().all(|&(a, b)| a < b && b < 50));
         assert!(pairs.windows(2).all(|w| w[0] < w[1]));
     }

@@ -32,7 +32,8 @@ pub fn refined(distribution: &SlopeDistribution, points: Vec<DVec2>, progress: &
     let field = Field::new(distribution, points.len());
     let mut x: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
     let settings = Descent { steps: 120, memory: 10, tolerance: 2e-4, first_move: 0.1 * field.spacing };
-    minimise(&mut x, &settings, |x, gradient| field.loss(x, gradient), |_| !progress.is_to_finish());
+    // Told to finish, the points stay where they have come to.
+    let _ = minimise(&mut x, &settings, |x, gradient| Ok(field.loss(x, gradient)), |_| !progress.is_to_finish());
     x.chunks(2).map(|p| DVec2::new(p[0], p[1])).collect()
 }
 

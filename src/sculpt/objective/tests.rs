@@ -49,10 +49,10 @@ fn assert_gradient(name: &str, scale: LossScale, settings: SheetSettings, look_a
         let z = objective.relief(&y);
         objective.set_penalties(&z, 0.5);
         if look_at_tool {
-            objective.update_tool_residual(&z, &Progress::silent());
+            objective.update_tool_residual(&z, &Progress::silent()).unwrap();
         }
         let mut gradient = vec![0.0; n];
-        let loss = objective.loss(&y, &mut gradient);
+        let loss = objective.loss(&y, &mut gradient, &Progress::silent()).unwrap();
         let length = gradient.iter().map(|g| f64::from(*g).powi(2)).sum::<f64>().sqrt();
         let mut directions = vec![gradient.iter().map(|g| (f64::from(*g) / length) as f32).collect::<Vec<f32>>()];
         for k in 0..2 {
@@ -71,7 +71,7 @@ fn assert_gradient(name: &str, scale: LossScale, settings: SheetSettings, look_a
             let step = (3e-4 * loss / slope) as f32;
             let at = |t: f32| {
                 let moved: Vec<f32> = y.iter().zip(&direction).map(|(y, d)| y + t * d).collect();
-                objective.loss(&moved, &mut vec![0.0; n])
+                objective.loss(&moved, &mut vec![0.0; n], &Progress::silent()).unwrap()
             };
             let measured = (at(step) - at(-step)) / f64::from(2.0 * step);
             assert!((measured / slope - 1.0).abs() < 0.01, "{name}, {seed}: {measured} {slope}");
@@ -141,9 +141,10 @@ fn a_tool_residual_makes_the_models_light_that_of_the_milled_relief() {
     );
     let z = objective.relief(&relief_at(&objective, 1));
     let before = objective.misplaced(&z, 0.5);
-    objective.update_tool_residual(&z, &Progress::silent());
+    objective.update_tool_residual(&z, &Progress::silent()).unwrap();
     let milled = Tool::new(lattice().cell(), BALL.unwrap())
         .mill(&relief(lattice(), &z, Slope::FLAT), &Progress::silent())
+        .unwrap()
         .relief;
     let fine = Lattice::of(&milled);
     let light = LightModel::new(fine, SlopeHistogram::new(&objective.target), 0.5, None);

@@ -2,7 +2,7 @@
 
 use crate::descent::{Descent, minimise};
 use crate::near::NearField;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::raster::Raster;
 use crate::relief::open::OpenRelief;
 use crate::sculpt::objective::CLEARANCE;
@@ -89,7 +89,7 @@ pub fn exact(
     flux: &Raster,
     settings: &SheetSettings,
     progress: &Progress,
-) -> Option<ExactSheet> {
+) -> Result<Option<ExactSheet>, Cancelled> {
     let eye = (EYE / near.scene().wall_distance()).atan().to_degrees();
     let longest = start.nodes[0].max(start.nodes[1]) - 1;
     let halved = longest > COARSE && start.nodes.iter().all(|n| (n - 1).is_multiple_of(2));
@@ -107,7 +107,8 @@ pub fn exact(
             coarse = None;
         }
         let relief = coarse.as_ref().unwrap_or(&sheet.relief);
-        let (descended, misplaced, fillets) = descend(relief, near, flux, (stage, share), settings, progress)?;
+        let done = descend(relief, near, flux, (stage, share), settings, progress);
+        let Some((descended, misplaced, fillets)) = done else { return Ok(None) };
         if sheet.misplaced.is_empty() {
             sheet.misplaced.push(misplaced[0]);
         }
@@ -121,8 +122,8 @@ pub fn exact(
     if let (Some(descended), Some(before)) = (&coarse, &before) {
         add_difference(&mut sheet.relief, before, descended);
     }
-    cleared(&mut sheet.relief, settings, progress);
-    Some(sheet)
+    cleared(&mut sheet.relief, settings, progress)?;
+    Ok(Some(sheet))
 }
 
 /// About how long a stage takes, in any unit.
@@ -148,45 +149,48 @@ fn descend(
     let with_tool = stage.scale.is_fine() && settings.cutter.is_some();
     let parts = if with_tool { stage.steps.div_ceil(STEPS_PER_RESIDUAL) } else { 1 };
     let descent = Descent { steps: stage.steps / parts, memory: MEMORY, tolerance: TOLERANCE, first_move: FIRST_MOVE };
+    // What is cut short leaves `y` at the best so far.
+    let cut_short = progress.until_finish();
     for part in 0..parts {
-        if progress.is_to_finish() {
+        if cut_short.is_abandoned() || with_tool && objective.update_tool_residual(&y, &cut_short).is_err() {
             break;
         }
-        if with_tool {
-            objective.update_tool_residual(&y, progress);
-        }
         let done = |step: usize| (part as f64 + step as f64 / descent.steps as f64) / parts as f64;
-        minimise(
+        let descended = minimise(
             &mut y,
             &descent,
-            |y, gradient| objective.loss(y, gradient),
+            |y, gradient| {
+                cut_short.check()?;
+                Ok(objective.loss(y, gradient))
+            },
             |step| {
                 progress.fraction(share.0 + share.1 * done(step));
                 !progress.is_to_finish()
             },
         );
+        if descended.is_err() {
+            break;
+        }
     }
     let after = objective.misplaced(&y, COMPARED_AT);
     Some((objective.relief(&y), [before, after], objective.fillets(&y)))
 }
 
 /// Raises what the cutter does not reach.
-fn cleared(relief: &mut OpenRelief, settings: &SheetSettings, progress: &Progress) {
-    let Some(cutter) = settings.cutter else { return };
+fn cleared(relief: &mut OpenRelief, settings: &SheetSettings, progress: &Progress) -> Result<(), Cancelled> {
+    let Some(cutter) = settings.cutter else { return Ok(()) };
     let grid = PlateGrid::of(relief, Some(cutter));
     let mut z = grid.embedded(relief);
     let tool = usual_tool(&grid, cutter);
     let finer = Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter);
     for _ in 0..FILLINGS {
-        if progress.is_abandoned() {
-            break;
-        }
-        fill(&grid, &mut z, &tool, CLEARANCE, progress);
-        if !fill(&grid, &mut z, &finer, CLEARANCE, progress) {
+        fill(&grid, &mut z, &tool, CLEARANCE, progress)?;
+        if !fill(&grid, &mut z, &finer, CLEARANCE, progress)? {
             break;
         }
     }
     *relief = grid.plate(&z);
+    Ok(())
 }
 
 /// Every second node of a plate whose squares are even in number.

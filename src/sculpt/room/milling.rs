@@ -1,7 +1,7 @@
 //! A whole plate after its cutter, and the filling of what the cutter cannot reach.
 
 use crate::cutter::Cutter;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::raster::bilinear_weights;
 use crate::relief::open::OpenRelief;
 use crate::relief::periodic::PeriodicRelief;
@@ -45,26 +45,23 @@ pub fn usual_tool(grid: &PlateGrid, cutter: Cutter) -> Tool {
 }
 
 /// What `tool` leaves of heights `z` of the lattice of `grid`.
-pub fn milled(grid: &PlateGrid, z: &[f32], tool: &Tool, progress: &Progress) -> MilledPlate {
+pub fn milled(grid: &PlateGrid, z: &[f32], tool: &Tool, progress: &Progress) -> Result<MilledPlate, Cancelled> {
     let relief = lattice_relief(grid, z);
     let fine = grid.refined(tool.places);
     let cliff = CLIFF * fine.lattice.step.max_element();
-    let milled = tool.mill_below(&relief, cliff as f32, progress);
+    let milled = tool.mill_below(&relief, cliff as f32, progress)?;
     let mut left = milled.left;
     fine.clear_around(&mut left, 0.0);
-    MilledPlate { grid: fine, heights: milled.relief.heights, left }
+    Ok(MilledPlate { grid: fine, heights: milled.relief.heights, left })
 }
 
 /// Raises nodes of `z` until the machined surface lies nowhere more than `most` mm above the plate's triangles; returns
 /// whether any node was raised. As `Tool::fill`.
-pub fn fill(grid: &PlateGrid, z: &mut [f32], tool: &Tool, most: f64, progress: &Progress) -> bool {
+pub fn fill(grid: &PlateGrid, z: &mut [f32], tool: &Tool, most: f64, progress: &Progress) -> Result<bool, Cancelled> {
     const ROUNDS: usize = 100;
     let (n, places) = (grid.lattice.n, tool.places);
     for round in 0..ROUNDS {
-        let milled = milled(grid, z, tool, progress);
-        if progress.is_abandoned() {
-            return false;
-        }
+        let milled = milled(grid, z, tool, progress)?;
         let mut raise = vec![0.0f32; n * n];
         for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
             let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
@@ -77,11 +74,11 @@ pub fn fill(grid: &PlateGrid, z: &mut [f32], tool: &Tool, most: f64, progress: &
         }
         grid.clear_around(&mut raise, 0.0);
         if raise.iter().all(|v| *v == 0.0) {
-            return round > 0;
+            return Ok(round > 0);
         }
         z.iter_mut().zip(&raise).for_each(|(z, v)| *z += v);
     }
-    true
+    Ok(true)
 }
 
 /// The lattice as one cell, for a [`Tool`].

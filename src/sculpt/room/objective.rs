@@ -6,7 +6,7 @@
 
 use crate::cutter::Cutter;
 use crate::near::NearField;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::open::OpenRelief;
 use crate::sculpt::closing::{Closing, Contacts};
 use crate::sculpt::concave_edges::ConcaveEdges;
@@ -127,23 +127,22 @@ impl PlateObjective {
 
     /// Mills the relief of `y` on the tool's grid: from now on, the light of that surface less the light of the model is
     /// added to the light of any relief.
-    pub fn update_tool_residual(&mut self, y: &[f32], progress: &Progress) {
-        let Some(cutter) = self.settings.cutter else { return };
+    pub fn update_tool_residual(&mut self, y: &[f32], progress: &Progress) -> Result<(), Cancelled> {
+        let Some(cutter) = self.settings.cutter else { return Ok(()) };
         let z = self.closed(y).0;
         let tool = usual_tool(&self.grid, cutter);
-        let milled = milled(&self.grid, &z, &tool, progress);
-        if progress.is_abandoned() {
-            return;
-        }
+        let milled = milled(&self.grid, &z, &tool, progress)?;
         let heights = match &self.polish {
             None => milled.heights,
             Some(_) => self.polished_finely(&milled.grid, milled.heights),
         };
         let light = PlateLight::new(milled.grid, self.landing, 0.5, None);
         let milled = light.forward(&heights, &EdgeSlopes::new(milled.grid.lattice, &heights));
+        progress.check()?;
         let modelled = self.light.forward(&z, &self.edges(&z));
         let scaled = self.taken / milled.iter().sum::<f32>().max(f32::MIN_POSITIVE);
         self.tool_residual = Some(milled.iter().zip(&modelled).map(|(a, b)| (a * scaled - b) / self.taken).collect());
+        Ok(())
     }
 
     /// Heights of a finer lattice after the polish.

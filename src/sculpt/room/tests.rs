@@ -106,12 +106,13 @@ fn the_descent_puts_light_where_it_is_wanted_and_the_cutter_reaches_it() {
     let start = placed(&cells(), &near, Warping::Base);
     for cutter in [None, Some(Cutter::ball(1.0))] {
         let settings = SheetSettings { cutter, ..SheetSettings::default() };
-        let sheet = exact(start.clone(), &near, &flux(), &settings, &Progress::silent()).unwrap();
+        let sheet = exact(start.clone(), &near, &flux(), &settings, &Progress::silent()).unwrap().unwrap();
         let (before, after) = (sheet.misplaced[0], sheet.misplaced[sheet.misplaced.len() - 1]);
         assert!(after < 0.25 * before, "{cutter:?}: {:?}", sheet.misplaced);
         let Some(cutter) = cutter else { continue };
         let grid = PlateGrid::of(&sheet.relief, Some(cutter));
-        let cut = milled(&grid, &grid.embedded(&sheet.relief), &usual_tool(&grid, cutter), &Progress::silent());
+        let cut =
+            milled(&grid, &grid.embedded(&sheet.relief), &usual_tool(&grid, cutter), &Progress::silent()).unwrap();
         assert!(cut.most_left() <= 0.5e-3, "{}", cut.most_left());
     }
 }
@@ -123,12 +124,12 @@ fn a_ditch_is_filled_as_far_as_the_cutter_needs() {
     let grid = PlateGrid::of(&relief, Some(cutter));
     let tool = usual_tool(&grid, cutter);
     let mut z = grid.embedded(&relief);
-    let before = milled(&grid, &z, &tool, &Progress::silent()).most_left();
+    let before = milled(&grid, &z, &tool, &Progress::silent()).unwrap().most_left();
     // R s²/2 of a valley between slopes of ±s.
     assert!((before / (0.25 * 0.04) - 1.0).abs() < 0.05, "{before}");
-    assert!(fill(&grid, &mut z, &tool, 1e-3, &Progress::silent()));
+    assert!(fill(&grid, &mut z, &tool, 1e-3, &Progress::silent()).unwrap());
     relief = grid.plate(&z);
-    let after = milled(&grid, &grid.embedded(&relief), &tool, &Progress::silent());
+    let after = milled(&grid, &grid.embedded(&relief), &tool, &Progress::silent()).unwrap();
     assert!(after.most_left() <= 1e-3 && after.relief().node(0, 0).truncate() == DVec2::ZERO);
     assert_eq!(relief.node(0, 3).z, f64::from(relief.heights[3 * 41]));
 }

@@ -14,7 +14,11 @@ fn relief(columns: usize, rows: usize, facet: impl Fn(usize, usize) -> (f64, f64
             Facet { height, slope: Slope::new(p, q) }
         })
         .collect();
-    GridSurface::new(&FacetedRelief::uniform(columns, rows, DVec2::new(columns as f64, rows as f64), facets))
+    GridSurface::new(
+        &FacetedRelief::uniform(columns, rows, DVec2::new(columns as f64, rows as f64), facets),
+        &Progress::silent(),
+    )
+    .unwrap()
 }
 
 fn random(columns: usize, rows: usize, seed: u64) -> GridSurface {

@@ -13,6 +13,7 @@ use crate::setup::Setup;
 use crate::trace::Surface;
 use crate::verify::experiment::{Experiment, Measuring, Sensor};
 use crate::verify::measure::collect;
+use crate::verify::tally::MeasureError;
 
 /// A measured BRDF, and the light that it does not hold.
 #[derive(Clone, Debug)]
@@ -59,14 +60,14 @@ impl Sensor for HalfVectors<'_> {
 /// Measures the BRDF of `surface` on the grid of `axes`, `measuring.rays` rays for each incident direction.
 ///
 /// For the BRDF of a material the surface should be an endless panel; a finite plate loses light past its edges.
-/// `None` if light from some direction meets nothing, or the work was cancelled.
+/// Fails if light from some direction meets nothing.
 pub fn sweep<S: Surface>(
     surface: &S,
     material: &Material,
     axes: BrdfAxes,
     measuring: &Measuring,
     progress: &Progress,
-) -> Option<Swept> {
+) -> Result<Swept, MeasureError> {
     let slices = axes.slices();
     let mut table = BrdfTable::new(axes.clone());
     let mut balance = Vec::with_capacity(slices);
@@ -82,7 +83,8 @@ pub fn sweep<S: Surface>(
         let (mut share, mut error) = (whole.share_image().scaled(up), measured.pixel_errors().scaled(up));
         pool(table.axes(), table.slice_projected(slice), &mut share.values, &mut error.values);
         // Lengths fit and all is finite: the table and the sensor are of the same axes, and light came in.
-        let unheld = table.set_flux(slice, &share.values, &error.values).ok()? + whole.outside_image / whole.incident;
+        let set = table.set_flux(slice, &share.values, &error.values);
+        let unheld = set.map_err(|_| MeasureError::NoLight)? + whole.outside_image / whole.incident;
         balance.push(LightBalance {
             up,
             multi_bounce: whole.multi_bounce(),
@@ -93,7 +95,7 @@ pub fn sweep<S: Surface>(
         });
         progress.fraction((slice + 1) as f64 / slices as f64);
     }
-    Some(Swept { table, balance })
+    Ok(Swept { table, balance })
 }
 
 /// Half vectors nearer to the normal than this, degrees, are counted together.
@@ -145,7 +147,11 @@ mod tests {
 
     fn plate(slopes: &[(f64, f64)]) -> GridSurface {
         let facets = slopes.iter().map(|&(p, q)| Facet { height: 0.0, slope: Slope::new(p, q) }).collect();
-        GridSurface::panel(&FacetedRelief::uniform(slopes.len(), 1, DVec2::new(slopes.len() as f64, 1.0), facets))
+        GridSurface::panel(
+            &FacetedRelief::uniform(slopes.len(), 1, DVec2::new(slopes.len() as f64, 1.0), facets),
+            &Progress::silent(),
+        )
+        .unwrap()
     }
 
     #[test]

@@ -33,7 +33,7 @@ const MOST: f64 = 5.2;
 
 #[test]
 fn a_matt_plate_is_as_bright_as_lambert_says() {
-    let (surface, setup) = (GridSurface::new(&flat()), slanting());
+    let (surface, setup) = (GridSurface::new(&flat(), &Progress::silent()).unwrap(), slanting());
     let settings = ViewSettings {
         size: [16, 12],
         rays: 4,
@@ -54,7 +54,7 @@ fn a_matt_plate_is_as_bright_as_lambert_says() {
 
 #[test]
 fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
-    let (surface, setup) = (GridSurface::new(&flat()), slanting());
+    let (surface, setup) = (GridSurface::new(&flat(), &Progress::silent()).unwrap(), slanting());
     let settings = ViewSettings {
         size: [8, 8],
         theta: 38.0,
@@ -83,7 +83,7 @@ fn a_rough_plate_is_as_bright_as_its_brdf_however_the_lamp_is_found() {
 
 #[test]
 fn a_mirror_shows_the_lamp_at_its_own_radiance() {
-    let (surface, setup) = (GridSurface::new(&flat()), slanting());
+    let (surface, setup) = (GridSurface::new(&flat(), &Progress::silent()).unwrap(), slanting());
     let settings = ViewSettings {
         theta: 40.107,
         phi: 237.296,
@@ -118,7 +118,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
     let facets = (0..36).map(|_| facet()).collect();
     let relief = FacetedRelief::uniform(6, 6, DVec2::splat(6.0), facets);
     let setup = slanting();
-    let panel = GridSurface::panel(&relief);
+    let panel = GridSurface::panel(&relief, &Progress::silent()).unwrap();
     for shape in [Shape::Flat, Shape::Sphere { radius: 20.0 }, Shape::Cylinder { radius: 20.0 }] {
         for (material, most) in [("mirror", 40), ("diffuse:1", 40), ("mirror", 2)] {
             let settings = ViewSettings {
@@ -151,7 +151,7 @@ fn in_a_white_furnace_every_pixel_is_white() {
 
 #[test]
 fn a_rough_ball_and_cylinder_are_seen_as_their_brdf_says() {
-    let (panel, setup) = (GridSurface::panel(&flat()), slanting());
+    let (panel, setup) = (GridSurface::panel(&flat(), &Progress::silent()).unwrap(), slanting());
     for (shape, material, radius) in [
         (Shape::Sphere { radius: 30.0 }, "aluminium:ggx:0.2", 0.0),
         (Shape::Sphere { radius: 30.0 }, "brass:ggx:0.15,0.4", 0.1),
@@ -198,7 +198,10 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
     let relief = FacetedRelief::uniform(3, 3, DVec2::new(9.0, 5.0), facets);
     let setup = Setup::new(f64::to_radians(89.9), 1.0, 0.0, Projection::Equidistant, 0.3);
     let (mut seen, mut refused) = (0, 0);
-    for surface in [GridSurface::new(&relief), GridSurface::panel(&relief)] {
+    for surface in [
+        GridSurface::new(&relief, &Progress::silent()).unwrap(),
+        GridSurface::panel(&relief, &Progress::silent()).unwrap(),
+    ] {
         for (material, lamp) in [("brass:ggx:0.001,2", 0.0), ("mirror", 3.1), ("paint:1", 1e-6)] {
             let experiment = under(&surface, &setup, material, lamp);
             let angles = [(0.0, 0.0), (45.0, -1e9), (89.999, 77.0)];
@@ -237,7 +240,11 @@ fn extreme_settings_are_refused_or_give_finite_pictures() {
 
 #[test]
 fn nonsense_is_refused_and_nothing_depends_on_threads() {
-    let (plate, panel, setup) = (GridSurface::new(&flat()), GridSurface::panel(&flat()), slanting());
+    let (plate, panel, setup) = (
+        GridSurface::new(&flat(), &Progress::silent()).unwrap(),
+        GridSurface::panel(&flat(), &Progress::silent()).unwrap(),
+        slanting(),
+    );
     let (rough, smooth) = (under(&plate, &setup, "brass:ggx:0.3", 0.0), under(&plate, &setup, "brass", 0.0));
     let fine = ViewSettings { size: [20, 15], rays: 4, ..ViewSettings::default() };
     assert_eq!(fine.check(&rough), Ok(()));

@@ -8,7 +8,8 @@ use crate::trace::grid::GridSurface;
 use crate::verify::measure::measure;
 
 fn one_facet(slope: Slope, size: DVec2) -> GridSurface {
-    GridSurface::new(&FacetedRelief::uniform(1, 1, size, vec![Facet { height: 0.0, slope }]))
+    GridSurface::new(&FacetedRelief::uniform(1, 1, size, vec![Facet { height: 0.0, slope }]), &Progress::silent())
+        .unwrap()
 }
 
 fn slanting(projection: Projection) -> Setup {
@@ -166,7 +167,8 @@ fn a_tilted_facet_throws_where_its_mirror_sends() {
 fn a_far_wall_shows_the_highlight_image_in_any_mounting() {
     let slopes = (0..64).map(|k| Slope::new(0.02 * f64::from(k % 8 - 3), 0.015 * f64::from(k / 8 - 4)));
     let facets = slopes.map(|slope| Facet { height: 0.1 * slope.p, slope }).collect();
-    let surface = GridSurface::new(&FacetedRelief::uniform(8, 8, DVec2::splat(8.0), facets));
+    let surface =
+        GridSurface::new(&FacetedRelief::uniform(8, 8, DVec2::splat(8.0), facets), &Progress::silent()).unwrap();
     let flat = slanting(Projection::Screen);
     for setup in [flat.clone(), flat.mounted(direction(0.1, 2.0))] {
         let material = "aluminium:ggx:0.05".parse().unwrap();
@@ -195,7 +197,10 @@ fn extreme_settings_are_refused_or_give_finite_light() {
     let relief = FacetedRelief::uniform(3, 3, DVec2::new(9.0, 5.0), facets);
     let measuring = Measuring { rays: 600, resolution: 5, ..Measuring::default() };
     let (mut collected, mut refused) = (0, 0);
-    for surface in [GridSurface::new(&relief), GridSurface::panel(&relief)] {
+    for surface in [
+        GridSurface::new(&relief, &Progress::silent()).unwrap(),
+        GridSurface::panel(&relief, &Progress::silent()).unwrap(),
+    ] {
         for theta in [0.0, 60.0, 89.9f64] {
             let setup = Setup::new(theta.to_radians(), 1.0, 0.0, Projection::Screen, 0.3);
             let material = "brass:ggx:0.3".parse().unwrap();

@@ -118,11 +118,11 @@ fn what_cannot_be_compared_has_no_distance() {
     let mut broken = good.clone();
     broken.values[3] = f64::NAN;
     for bad in [&Raster::zeros(20, 20), &Raster::zeros(0, 0), &broken, &good.clone().scaled(f64::INFINITY)] {
-        assert_eq!(exact_w1(bad, &good, &view, 20, &Progress::silent()), None);
-        assert_eq!(exact_w1(&good, bad, &view, 20, &Progress::silent()), None);
+        assert_eq!(exact_w1(bad, &good, &view, 20, &Progress::silent()), Err(MeasureError::NoLight));
+        assert_eq!(exact_w1(&good, bad, &view, 20, &Progress::silent()), Err(MeasureError::NoLight));
     }
-    assert_eq!(exact_w1(&good, &good, &view, 0, &Progress::silent()), None);
+    assert_eq!(exact_w1(&good, &good, &view, 0, &Progress::silent()), Err(MeasureError::NoLight));
     // Beyond 180 degrees from the centre there are no directions, hence no light to be moved.
     let corner = Raster::from_fn(20, 20, |x, y| f64::from(x + y == 0));
-    assert_eq!(exact_w1(&corner, &good, &view, 20, &Progress::silent()), None);
+    assert_eq!(exact_w1(&corner, &good, &view, 20, &Progress::silent()), Err(MeasureError::NoLight));
 }

@@ -6,6 +6,8 @@ mod design;
 
 mod measure;
 
+mod mill;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -18,6 +20,7 @@ use crate::values::{Limit, UnitArg, UpArg, memory, threads};
 
 pub use design::DesignArgs;
 pub use measure::MeasureArgs;
+pub use mill::MillArgs;
 use settings::{ByVerify, SettingFlags};
 
 /// Turns a drawn highlight into a relief that can be milled and that really reflects it.
@@ -83,6 +86,23 @@ Examples:
   facetmill measure ring -o ball --look --wrap sphere:40 --material aluminium:ggx:0.05 --light 30,90")]
     #[command(allow_negative_numbers = true)]
     Measure(Box<MeasureArgs>),
+    /// Write the programs by which a machine makes the plate: an air cut, roughing and finishing, each read back and judged
+    ///
+    /// PLATE is a closed mesh in mm, or the folder of a design. The folder receives, one tool a file, air-cut (the outline
+    /// above the stock, spindle standing), roughing (levels with an allowance) and finishing (the passes that
+    /// `verify --machine` proves), as .nc, .ngc or .tap, and report.json. Every file bears its stock, zero, bounds, hours
+    /// and a checksum.
+    ///
+    /// Zero is the stock's lower left corner and its upper face. Feeds and speeds are starting values. A program that cuts
+    /// into the plate, goes through material, leaves the stock or comes faster than its control reads is not written (exit
+    /// code 4).
+    #[command(after_help = "\
+Examples:
+  facetmill mill ring --machine desktop-good -o shop                      GRBL: air-cut.nc, roughing.nc, finishing.nc
+  facetmill mill ring --machine vmc --dialect linuxcnc --polish 0.04 --stepover 0.04 -o shop
+  facetmill mill plate.stl --machine mine.toml --cutter ball:1 --material brass --rough-cutter flat:3 -o shop")]
+    #[command(allow_negative_numbers = true)]
+    Mill(Box<MillArgs>),
     /// Print what a shell needs to complete this program's flags
     #[command(
         after_help = "Example: facetmill completions bash > ~/.local/share/bash-completion/completions/facetmill"

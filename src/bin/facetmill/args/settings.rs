@@ -44,6 +44,20 @@ impl Takes for ByVerify {
     }
 }
 
+/// `facetmill mill` takes how passes go.
+#[derive(Clone, Copy, Debug)]
+pub struct ByMill;
+
+impl Takes for ByMill {
+    fn takes(setting: &Setting) -> bool {
+        ["stepover", "pass-angle", "pass-order"].contains(&setting.name)
+    }
+
+    fn shown(_: &Setting, flag: Arg) -> Arg {
+        flag.help_heading("Finishing")
+    }
+}
+
 /// The seed where nothing is random but the rays.
 pub fn seed_of_rays(flag: Arg, setting: &Setting) -> Arg {
     flag.help(format!("Seed of the rays  [default: {}]", setting.default())).help_heading(Section::Running.title())

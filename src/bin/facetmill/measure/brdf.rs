@@ -12,6 +12,7 @@ use facetmill::trace::traced_plate::Task;
 use facetmill::verify::experiment::Measuring;
 use facetmill::verify::goniometer::sweep::{LightBalance, Swept, sweep};
 use facetmill::verify::goniometer::table::{BrdfAxes, Laws};
+use facetmill::verify::tally::MeasureError;
 
 use super::{Bench, Outcome};
 use crate::args::MeasureArgs;
@@ -39,7 +40,7 @@ struct Turned<'a> {
 }
 
 impl Task for Turned<'_> {
-    type Output = Option<Swept>;
+    type Output = Result<Swept, MeasureError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         sweep(surface, &self.bench.material, self.axes, &self.measuring, self.progress)
     }
@@ -55,8 +56,8 @@ pub fn measure(
     let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
     progress.stage(Stage::Goniometer);
-    let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).ok_or_else(|| {
-        Failure::Impossible("light from some directions meets nothing of the plate: check units and orientation".into())
+    let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).map_err(|error| {
+        Failure::of_measure(error, "light from some directions meets nothing of the plate: check units and orientation")
     })?;
     let table = &swept.table;
 

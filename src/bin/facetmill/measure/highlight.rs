@@ -9,7 +9,7 @@ use facetmill::trace::Surface;
 use facetmill::trace::traced_plate::Task;
 use facetmill::verify::experiment::HighlightImage;
 use facetmill::verify::measure::collect;
-use facetmill::verify::tally::{Measurement, Tally};
+use facetmill::verify::tally::{MeasureError, Measurement, Tally};
 
 use super::{Bench, Outcome};
 use crate::console::Failure;
@@ -22,7 +22,7 @@ struct Lit<'a> {
 }
 
 impl Task for Lit<'_> {
-    type Output = Option<Measurement>;
+    type Output = Result<Measurement, MeasureError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
         let Bench { setup, measuring, .. } = self.bench;
         let screen = HighlightImage { setup, resolution: measuring.resolution };
@@ -56,8 +56,8 @@ const SHARES: [Share; 9] = [
 
 pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Result<Outcome, Failure> {
     progress.stage(Stage::Tracing);
-    let measurement = bench.plate.run(Lit { bench, progress }).ok_or_else(|| {
-        Failure::Impossible("no light reaches the plate's optical area: check units, orientation and --light".into())
+    let measurement = bench.plate.run(Lit { bench, progress }).map_err(|error| {
+        Failure::of_measure(error, "no light reaches the plate's optical area: check units, orientation and --light")
     })?;
     progress.stage(Stage::Files);
     let whole = &measurement.whole;

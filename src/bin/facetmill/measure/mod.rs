@@ -93,8 +93,8 @@ pub fn run(args: &MeasureArgs, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing, memory)?;
-    let (plate, endless) = extent(args, &recipe, &opened)?;
+    let opened = plates::open(&named.stl, args.margin.unwrap_or(dull_rim), &args.placing, memory, &progress)?;
+    let (plate, endless) = extent(args, &recipe, &opened, &progress)?;
     let elsewhere = args.wall.is_some() || args.brdf || args.ndf || args.look || args.lamp.is_some();
     let scene = recipe.scene().ok().flatten().filter(|scene| !elsewhere && scene.wall().is_some());
     let bench = Bench {
@@ -190,8 +190,13 @@ fn measuring(args: &MeasureArgs, recipe: &Recipe) -> Measuring {
 }
 
 /// The plate as it is to be taken, and whether it goes on without end.
-fn extent(args: &MeasureArgs, recipe: &Recipe, opened: &Opened) -> Result<(TracedPlate, bool), Failure> {
-    let endless = opened.plate.clone().endless();
+fn extent(
+    args: &MeasureArgs,
+    recipe: &Recipe,
+    opened: &Opened,
+    progress: &Progress,
+) -> Result<(TracedPlate, bool), Failure> {
+    let endless = opened.plate.clone().endless(progress)?;
     let differ = recipe.is_near();
     if differ && (args.extent == Some(ExtentArg::Endless) || args.wrap.is_some()) {
         return Err(Failure::Impossible(format!(

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use facetmill::export::rendered_view::{Exposure, slopes_page};
-use facetmill::progress::{Progress, Stage};
+use facetmill::progress::{Cancelled, Progress, Stage};
 use facetmill::raster::Raster;
 use facetmill::report::measure::{Measured, NdfFacts};
 use facetmill::trace::Surface;
@@ -33,10 +33,10 @@ struct Counted<'a> {
 }
 
 impl Task for Counted<'_> {
-    type Output = Option<(NormalDistribution, Vec<Masking>)>;
+    type Output = Result<Option<(NormalDistribution, Vec<Masking>)>, Cancelled>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        let normals = NormalDistribution::of(surface, CELLS.0, CELLS.1)?;
-        Some((normals, masking(surface, self.rays, self.seed, self.progress)))
+        let Some(normals) = NormalDistribution::of(surface, CELLS.0, CELLS.1) else { return Ok(None) };
+        Ok(Some((normals, masking(surface, self.rays, self.seed, self.progress)?)))
     }
 }
 
@@ -49,7 +49,7 @@ pub fn measure(
     progress.stage(Stage::Normals);
     let rays = args.rays().unwrap_or(RAYS);
     let task = Counted { rays, seed: bench.measuring.seed, progress };
-    let (normals, rows_of_masking) = bench.plate.run(task).ok_or_else(|| {
+    let (normals, rows_of_masking) = bench.plate.run(task)?.ok_or_else(|| {
         Failure::Impossible(
             "this relief stands on no grid: --ndf needs one of planar facets or of heights, as `design` writes".into(),
         )

@@ -129,6 +129,7 @@ fn settings(args: &MeasureArgs, bench: &Bench) -> Result<ViewSettings, Failure> 
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
 fn refused(error: &RenderError, bench: &Bench) -> Failure {
     Failure::Impossible(match error {
+        RenderError::Cancelled(cancelled) => return (*cancelled).into(),
         RenderError::PointOnSmooth { .. } => {
             let material = &bench.material;
             format!(

@@ -133,6 +133,7 @@ fn rows(wall_distance: f64, image: &WallImage) -> Vec<Row> {
 /// What the library refuses although each flag by itself makes sense, with the flags that help.
 fn refused(error: WallError) -> Failure {
     Failure::Impossible(match error {
+        WallError::Cancelled(cancelled) => return cancelled.into(),
         WallError::LampInPlate { .. } => {
             "the lamp would dip below the top of the plate: raise --lamp-distance, or lower --lamp-radius or --light"
                 .into()

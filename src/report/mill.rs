@@ -1,0 +1,180 @@
+//! The report of the programs for a shop.
+
+use serde::Serialize;
+
+use super::MeshFacts;
+use crate::cutter::Cutter;
+use crate::milling::machine::Machine;
+use crate::shop::check::{Judgement, Trouble};
+use crate::shop::programs::{Shop, ShopFile};
+
+/// Programs that were written for a plate.
+#[derive(Clone, Debug, Serialize)]
+pub struct MillReport {
+    /// The program and its version.
+    pub program: &'static str,
+    /// The mesh.
+    pub plate: MeshFacts,
+    /// The machine, in the decimals and at the feed of its finishing program.
+    pub machine: Machine,
+    /// The control.
+    pub dialect: String,
+    /// What it is cut from.
+    pub stock: String,
+    /// Size of the stock, mm.
+    pub stock_mm: [f64; 3],
+    /// From the finished plate's highest point up to the stock's upper face, mm.
+    pub stock_over_mm: f64,
+    /// Where the programs count from, in words.
+    pub zero: String,
+    /// The finishing cutter.
+    pub cutter: Cutter,
+    /// From one finishing pass to the next, mm.
+    pub stepover_mm: f64,
+    /// Direction of the finishing passes from +x toward +y, degrees.
+    pub pass_angle_deg: f64,
+    /// Whether every other finishing pass is cut on the way back.
+    pub zigzag: bool,
+    /// Standard deviation of the polish that is assumed afterwards, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub polish_mm: Option<f64>,
+    /// Height of the cusps between passes over a level plate, µm.
+    pub cusp_height_um: f64,
+    /// The programs, in the order of running.
+    pub programs: Vec<ProgramFacts>,
+    /// All of it in hours.
+    pub hours: f64,
+    /// What was made, in a sentence.
+    pub verdict: String,
+    /// What a person should know; empty if nothing is off.
+    pub advice: Vec<String>,
+}
+
+/// One program.
+#[derive(Clone, Debug, Serialize)]
+pub struct ProgramFacts {
+    /// What it is for.
+    pub part: String,
+    /// Its file.
+    pub file: String,
+    /// Its cutter.
+    pub cutter: Cutter,
+    /// Feed along its tracks, mm/min; a starting value.
+    pub feed_mm_per_min: f64,
+    /// Turns of the spindle a minute; a starting value.
+    pub turns_per_min: f64,
+    /// What reading it back said.
+    #[serde(flatten)]
+    pub read: ReadFacts,
+}
+
+/// What reading a program said.
+#[derive(Clone, Debug, Serialize)]
+pub struct ReadFacts {
+    /// Lines of the file.
+    pub lines: u32,
+    /// Time from its first to its last line, hours.
+    pub hours: f64,
+    /// Most lines a second.
+    pub lines_per_second: f64,
+    /// Least and largest coordinates of all moves, mm.
+    pub bounds_mm: Option<[[f64; 3]; 2]>,
+    /// Length of all cuts, mm.
+    pub cut_mm: f64,
+    /// What it does that no program should.
+    pub troubles: Vec<TroubleFacts>,
+    /// What a person should know of it.
+    pub notes: Vec<String>,
+}
+
+/// Something that no program should do.
+#[derive(Clone, Debug, Serialize)]
+pub struct TroubleFacts {
+    /// Its name for programs.
+    pub kind: &'static str,
+    /// Line of its worst place, from 1; null if it is of the whole.
+    pub line: Option<u32>,
+    /// How many moves or lines do it.
+    pub count: u64,
+    /// By how much at the worst place, mm; null if it has no amount.
+    pub by_mm: Option<f64>,
+    /// That place, as the program counts, mm.
+    pub place_mm: Option<[f64; 3]>,
+    /// The same in a sentence.
+    pub sentence: String,
+}
+
+impl MillReport {
+    /// Of programs that were made in `shop`.
+    pub fn new(plate: MeshFacts, shop: &Shop, files: &[ShopFile], advice: Vec<String>) -> Self {
+        let machining = shop.finishing();
+        let hours = files.iter().map(|file| file.judgement.timing.seconds).sum::<f64>() / 3600.0;
+        Self {
+            program: super::PROGRAM,
+            plate,
+            dialect: shop.dialect.to_string(),
+            stock: shop.stock.to_string(),
+            stock_mm: shop.blank.size().to_array(),
+            stock_over_mm: shop.blank.over,
+            zero: shop.blank.zero_in_words(),
+            cutter: machining.cutter,
+            stepover_mm: machining.passes.stepover,
+            pass_angle_deg: machining.passes.angle.to_degrees(),
+            zigzag: machining.passes.zigzag,
+            polish_mm: machining.polish,
+            cusp_height_um: 1000.0 * machining.cusp_height(),
+            machine: machining.machine,
+            programs: files.iter().map(ProgramFacts::new).collect(),
+            hours,
+            verdict: format!(
+                "{} programs for {} on {}, {hours:.1} hours in all: each was read back, and does nothing that the check \
+                 refuses.",
+                files.len(),
+                shop.name,
+                shop.machining.machine.name
+            ),
+            advice,
+        }
+    }
+}
+
+impl ProgramFacts {
+    fn new(file: &ShopFile) -> Self {
+        Self {
+            part: file.part.name().to_owned(),
+            file: file.name.to_owned(),
+            cutter: file.cutter,
+            feed_mm_per_min: file.pace.feed,
+            turns_per_min: file.pace.speed,
+            read: (&file.judgement).into(),
+        }
+    }
+}
+
+impl From<&Judgement> for ReadFacts {
+    fn from(judgement: &Judgement) -> Self {
+        let bounds = judgement.extent.all;
+        Self {
+            lines: judgement.lines,
+            hours: judgement.timing.seconds / 3600.0,
+            lines_per_second: judgement.timing.line_rate,
+            bounds_mm: bounds.map(|bounds| [bounds.low.to_array(), bounds.high.to_array()]),
+            cut_mm: judgement.extent.lengths[1],
+            troubles: judgement.troubles.iter().map(TroubleFacts::from).collect(),
+            notes: judgement.notes.clone(),
+        }
+    }
+}
+
+impl From<&Trouble> for TroubleFacts {
+    fn from(trouble: &Trouble) -> Self {
+        Self {
+            kind: trouble.what.id(),
+            line: (trouble.line > 0).then_some(trouble.line),
+            count: trouble.count,
+            by_mm: (trouble.by > 0.0).then_some(trouble.by),
+            place_mm: trouble.place.map(|place| place.to_array()),
+            sentence: trouble.to_string(),
+        }
+    }
+}

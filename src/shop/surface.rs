@@ -1,0 +1,155 @@
+//! The surface that a program leaves beside the one that is wanted, where a cutter can reach that.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use crate::gcode::check::Amiss;
+use crate::gcode::program::{Move, Program};
+use crate::milling::swept::{Spot, Stroke, Swept};
+use crate::milling::tip::TipHeights;
+use crate::progress::{Cancelled, Progress};
+
+/// Chords in place of arcs, mm: a hundredth of what counts.
+const CHORD: f64 = 1e-5;
+
+/// Places of the cutter along a side of the optical area at which the surface is looked at.
+const PLACES: usize = 400;
+
+/// Cusps that are evenly spread are three times as high as their mean; a third more is no mistake of the program.
+const EVEN_CUSPS: f64 = 4.0;
+
+/// Cuts, as strokes whose arcs are chords, in a frame whose zero is at `origin` mm as the program counts.
+pub fn strokes(program: &Program, origin: DVec3) -> Vec<Stroke> {
+    let mut strokes = Vec::with_capacity(program.motions.len());
+    for one in program.moves().filter(|one| one.cuts() && one.is_known()) {
+        let mut from = one.from;
+        for to in program.pieces(&one.motion, CHORD) {
+            strokes.push(Stroke { from: from - origin, to: to - origin, line: one.motion.line });
+            from = to;
+        }
+    }
+    strokes
+}
+
+/// What is left standing above the wanted surface, at places that the cutter can touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Left {
+    /// Mean, mm: of a finished surface that of its cusps.
+    pub mean: f64,
+    /// Most, mm; and there, as the program counts, mm, with the line that passed lowest.
+    pub most: f64,
+    /// That place.
+    pub place: DVec3,
+    /// That line.
+    pub line: u32,
+    /// Share of the places over which nothing has passed.
+    pub untouched: f64,
+    /// The deepest below the wanted surface, mm.
+    pub deepest: f64,
+}
+
+/// A plate that a program is to leave.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// How low the cutter can stand over it.
+    pub tips: &'a TipHeights,
+    /// The zero of its frame, as the program counts, mm.
+    pub origin: DVec3,
+    /// Lower left and upper right corner of its optical area in its frame, mm.
+    pub optical: [DVec2; 2],
+}
+
+/// What stands at the point of the plate that a cutter touches from `at` (in the plate's frame), and there.
+struct Standing {
+    by: f64,
+    place: DVec3,
+    line: u32,
+}
+
+impl Wanted<'_> {
+    /// At the point that a cutter touches whose tip is at `at` in the plate's frame; none beside the optical area.
+    fn standing(&self, swept: &Swept, at: DVec2) -> Option<Result<Standing, DVec3>> {
+        let contact = self.tips.contact(at)?;
+        let [low, high] = self.optical;
+        let within = contact.truncate().cmpge(low).all() && contact.truncate().cmple(high).all();
+        let place = contact + self.origin;
+        let standing = |spot: Spot| Standing { by: spot.height - contact.z, place, line: spot.line };
+        within.then(|| swept.spot(contact.truncate()).map(standing).ok_or(place))
+    }
+
+    /// What `swept` leaves standing over all of the optical area.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn left(&self, swept: &Swept, progress: &Progress) -> Result<Left, Cancelled> {
+        let [low, high] = self.optical;
+        let rows: Vec<_> = (0..PLACES)
+            .into_par_iter()
+            .map(|j| {
+                if progress.is_abandoned() {
+                    return Vec::new();
+                }
+                let at = |i: usize| {
+                    // Rows and columns keep no step with passes.
+                    let golden = |k: usize| (k as f64 * 0.618_033_988_749_894_9).fract();
+                    let share = DVec2::new(i as f64 + golden(7 * j + 3), j as f64 + golden(i + 11 * j));
+                    low + (high - low) * share / PLACES as f64
+                };
+                (0..PLACES).filter_map(|i| self.standing(swept, at(i))).collect()
+            })
+            .collect();
+        progress.check()?;
+        let mut left = Left::default();
+        let (mut touched, mut missed) = (0.0, 0.0);
+        for standing in rows.into_iter().flatten() {
+            let Ok(Standing { by, place, line }) = standing else {
+                missed += 1.0;
+                continue;
+            };
+            touched += 1.0;
+            left.mean += by;
+            left.deepest = left.deepest.max(-by);
+            if by > left.most {
+                (left.most, left.place, left.line) = (by, place, line);
+            }
+        }
+        left.mean /= f64::max(touched, 1.0);
+        left.untouched = missed / f64::max(touched + missed, 1.0);
+        Ok(left)
+    }
+
+    /// Cuts at whose own places the surface is left standing by more than `tolerance` mm and even cusps.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn missed(
+        &self,
+        program: &Program,
+        (swept, left): (&Swept, &Left),
+        tolerance: f64,
+        progress: &Progress,
+    ) -> Result<Amiss, Cancelled> {
+        let most = tolerance + EVEN_CUSPS * left.mean.max(0.0);
+        let cuts: Vec<Move> = program.moves().filter(|one| one.cuts() && one.is_known()).collect();
+        let found: Vec<Option<(f64, DVec3)>> = cuts
+            .par_iter()
+            .map(|one| {
+                // Straight down nothing is wiped.
+                if progress.is_abandoned() || one.from.truncate() == one.motion.to.truncate() {
+                    return None;
+                }
+                let places = [0.5 * (one.from + one.motion.to), one.motion.to];
+                let at = |place: &DVec3| self.standing(swept, (*place - self.origin).truncate());
+                let standing = places.iter().filter_map(at).flatten().filter(|standing| standing.by > most);
+                standing.map(|standing| (standing.by, standing.place)).max_by(|a, b| a.0.total_cmp(&b.0))
+            })
+            .collect();
+        progress.check()?;
+        let mut amiss = Amiss::default();
+        cuts.iter().zip(found).for_each(|(one, found)| amiss.take(one.motion.line, found));
+        if left.most > most {
+            amiss.take(left.line, Some((left.most, left.place)));
+        }
+        Ok(amiss)
+    }
+}
