@@ -118,6 +118,9 @@ pub const VERIFY: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that a fit may write.
+pub const FIT: &[&str] = &["fit.png", "fit_2.png", "fit_3.png", "report.json"];
+
 /// Every file that any measurement may write.
 pub const MEASURE: &[&str] = &[
     "highlight.png",

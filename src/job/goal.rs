@@ -126,7 +126,6 @@ fn compared(
     let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &hushed };
     let measured = over(recipe, design, task)?;
     progress.check()?;
-    let measured = measured.ok_or(DesignError::NoLight)?;
     let view = hemisphere_view();
     let wanted = goal.hemisphere(light, SIDE);
     let mirrors = goal.mirrored(designed, light, SIDE);
@@ -153,10 +152,11 @@ fn compared(
 }
 
 /// Light over the plate's optical area.
-fn over(recipe: &Recipe, design: &Design, task: Mirrored) -> Result<Option<Measurement>, DesignError> {
+fn over(recipe: &Recipe, design: &Design, task: Mirrored) -> Result<Measurement, DesignError> {
+    let progress = task.progress;
     Ok(match &design.sheet {
-        None => task.on(&GridSurface::new(&design.relief)),
-        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border)?.run(task),
+        None => task.on(&GridSurface::new(&design.relief, progress)?)?,
+        Some(_) => TracedPlate::new(&design.mesh, recipe.plate.border, progress)?.run(task)?,
     })
 }
 

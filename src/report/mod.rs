@@ -10,6 +10,8 @@ pub mod made;
 
 pub mod goal;
 
+pub mod fit;
+
 pub mod on_wall;
 
 pub mod design;
