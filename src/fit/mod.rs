@@ -73,7 +73,7 @@ pub struct Samples {
 impl Samples {
     /// Samples `f`, f_r in 1/sr, of a material that looks the same however it is turned, or not. `None` if it is dark.
     pub fn new(f: impl Fn(DVec3, DVec3) -> f64 + Sync, isotropic: bool) -> Option<Self> {
-        let turns = if isotropic { 1 } else { 8 };
+        let turns = if isotropic { 1 } else { 4 };
         let mut samples = Vec::new();
         for theta in POLAR {
             for turn in 0..turns {

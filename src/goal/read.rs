@@ -15,6 +15,7 @@ use crate::brdf::model::lafortune::{Lafortune, LafortuneLobe};
 use crate::brdf::model::microfacets::{Microfacets, Shadowing};
 use crate::brdf::model::painted::{PaintedError, PaintedNormals};
 use crate::export::brdf_csv::{BrdfCsvError, read_brdf_csv};
+use crate::export::bsdf::{BsdfReadError, read_bsdf};
 use crate::export::merl::{Merl, MerlError};
 use crate::picture::{self, PictureError, Reading};
 use crate::slope::direction;
@@ -28,8 +29,8 @@ pub(super) struct Read {
     pub is_isotropic: bool,
 }
 
-/// Largest text that is read, bytes: a CSV of 16 × 16 incident directions and 128 × 64 cells has 100 MB.
-const LARGEST_TEXT: u64 = 1 << 30;
+/// Largest file that is read, bytes: a CSV of 16 × 16 incident directions and 128 × 64 cells has 100 MB.
+const LARGEST: u64 = 1 << 30;
 
 /// Reads it, for light from `light`.
 pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
@@ -76,8 +77,16 @@ pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
             });
             Ok(measured(all, light, notes, true))
         }
+        GoalFile::Bsdf => {
+            let mut bytes = Vec::new();
+            let read = open(path)?.take(LARGEST).read_to_end(&mut bytes);
+            read.map_err(|source| GoalError::Unreadable { name: name.clone(), source })?;
+            let table = read_bsdf(&bytes).map_err(|source| GoalError::Bsdf { name, source })?;
+            let isotropic = table.axes().is_isotropic();
+            Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), light, Vec::new(), isotropic))
+        }
         GoalFile::Csv => {
-            let table = read_brdf_csv(&text(path, LARGEST_TEXT)?).map_err(|source| GoalError::Csv { name, source })?;
+            let table = read_brdf_csv(&text(path, LARGEST)?).map_err(|source| GoalError::Csv { name, source })?;
             let isotropic = table.axes().is_isotropic();
             Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), light, Vec::new(), isotropic))
         }
@@ -174,6 +183,14 @@ pub enum GoalError {
         name: String,
         /// Why.
         source: MerlError,
+    },
+    /// No `.bsdf`.
+    #[error("{name}: {source}")]
+    Bsdf {
+        /// The file.
+        name: String,
+        /// Why.
+        source: BsdfReadError,
     },
     /// No CSV of the program's.
     #[error("{name}: {source}")]

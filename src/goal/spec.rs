@@ -27,6 +27,8 @@ pub enum GoalFile {
     Lafortune,
     /// MERL's table of an isotropic BRDF.
     Merl,
+    /// RGL's table, as Mitsuba's `measured` reads it.
+    Bsdf,
     /// The text that `measure --brdf` writes.
     Csv,
     /// A painted density of normals.
@@ -34,12 +36,13 @@ pub enum GoalFile {
 }
 
 impl GoalFile {
-    const ALL: [Self; 4] = [Self::Lafortune, Self::Merl, Self::Csv, Self::Ndf];
+    const ALL: [Self; 5] = [Self::Lafortune, Self::Merl, Self::Bsdf, Self::Csv, Self::Ndf];
 
     const fn name(self) -> &'static str {
         match self {
             Self::Lafortune => "lafortune",
             Self::Merl => "merl",
+            Self::Bsdf => "bsdf",
             Self::Csv => "csv",
             Self::Ndf => "ndf",
         }
@@ -148,7 +151,7 @@ impl From<GoalSpec> for String {
 pub enum GoalSpecError {
     /// Neither a model nor a kind of file.
     #[error(
-        "'{0}' is no goal; known are the models {known}, and the files merl:FILE.binary, csv:FILE, lafortune:FILE.toml and \
+        "'{0}' is no goal; known are the models {known}, and the files merl:FILE.binary, bsdf:FILE.bsdf, csv:FILE, lafortune:FILE.toml and \
          ndf:PICTURE",
         known = names()
     )]

@@ -25,8 +25,8 @@ use crate::verify::verdict::{Figure, MAIN_BLUR};
 /// Polar angles of the light at which a plate is set against its goal, degrees from the plate's normal.
 const POLAR: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 
-/// Pixels a side of the hemisphere: 0.35° each.
-const SIDE: usize = 512;
+/// Pixels a side of the hemisphere: 0.7° each, as fine as the blur asks for.
+const SIDE: usize = 256;
 
 /// A goal, what came of it, and the slices of both.
 #[derive(Clone, Debug)]

@@ -91,9 +91,10 @@ fn data(path: &Path) -> Result<(GoalFile, PathBuf), Failure> {
     }
     match path.extension().and_then(|end| end.to_str()).map(str::to_lowercase).as_deref() {
         Some("binary") => Ok((GoalFile::Merl, path.to_owned())),
+        Some("bsdf") => Ok((GoalFile::Bsdf, path.to_owned())),
         Some("csv") => Ok((GoalFile::Csv, path.to_owned())),
         _ => Err(Failure::Input(format!(
-            "{}: this is no BRDF that is read; name a MERL .binary, a brdf.csv, or a folder of measure --brdf",
+            "{}: this is no BRDF that is read; name a MERL .binary, an RGL .bsdf, a brdf.csv, or a folder of measure --brdf",
             path.display()
         ))),
     }

@@ -19,7 +19,7 @@ pub struct DesignArgs {
     ///
     /// The plate's slice at --light becomes that of a model of reflectance or of a measured material. Models are NAME:NUMBERS,
     /// sums of them joined by +: lambert, oren-nayar, phong, blinn-phong, gaussian, beckmann, cook-torrance, ggx,
-    /// shifted-gamma, ward, ward-bounded, ashikhmin-shirley, lafortune. Files: merl:gold.binary (MERL), csv:brdf.csv (of
+    /// shifted-gamma, ward, ward-bounded, ashikhmin-shirley, lafortune. Files: merl:gold.binary (MERL), bsdf:gold.bsdf (RGL), csv:brdf.csv (of
     /// `measure --brdf`), lafortune:lobes.toml, ndf:star.png,30 (a painted density of half vectors, its rim 30° from the
     /// normal). Without --half-field the field holds 99 % of the light. docs/goals.md has formulas, numbers and figures.
     #[arg(long, value_name = "SPEC", help_heading = "Highlight and light", value_parser = goal, conflicts_with_all = ["picture", "scene"])]

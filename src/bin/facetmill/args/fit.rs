@@ -8,7 +8,7 @@ use super::RunningArgs;
 
 #[derive(Debug, Args)]
 pub struct FitArgs {
-    /// A MERL .binary, a brdf.csv, or the folder of `measure --brdf`
+    /// A MERL .binary, an RGL .bsdf, a brdf.csv, or the folder of `measure --brdf`
     pub data: PathBuf,
     /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR")]
