@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
 use super::design::{Design, DesignError};
-use super::product::Product;
 use crate::export::polar_slices::{PolarCurve, STEPS, polar_diagram};
 use crate::goal::{Goal, hemisphere_view, in_plane};
 use crate::progress::{Progress, Stage};
@@ -66,41 +65,41 @@ impl GoalProof {
     }
 }
 
-impl Product {
-    /// Sends light over the plate from polar angles of 0° to 60°, in the lamp's azimuth and, of a goal that is not the same all
-    /// round, across it, and sets what leaves against `goal`.
-    ///
-    /// # Errors
-    /// The plate cannot be traced, no light meets it, or it is cancelled.
-    pub fn prove_goal(&mut self, goal: &Goal, progress: &Progress) -> Result<(), DesignError> {
-        let mut proof = GoalProof::untraced(goal);
-        if self.proof.is_some() {
-            progress.stage(Stage::Tracing);
-            let azimuth = self.recipe.light.phi.to_radians();
-            let turns: &[f64] = if goal.is_isotropic { &[0.0] } else { &[0.0, FRAC_PI_2] };
-            for turn in turns {
-                for theta in POLAR {
-                    let light = direction(theta.to_radians(), azimuth + turn);
-                    let slice = compared(&self.recipe, &self.design, goal, light, progress)?;
-                    let told = GoalSlice { theta, phi: (azimuth + turn).to_degrees(), ..slice.facts };
-                    if *turn == 0.0 {
-                        let side = |raster: &Raster, dashed| PolarCurve {
-                            theta: theta.to_radians(),
-                            values: through(raster, azimuth),
-                            dashed,
-                        };
-                        proof.curves.extend([side(&slice.goal, true), side(&slice.plate, false)]);
-                    }
-                    proof.facts.slices.push(told);
-                    progress.check()?;
-                }
+/// Sends light over the plate of `recipe` from polar angles of 0° to 60°, in the lamp's azimuth and, of a goal that is not the
+/// same all round, across it, and sets what leaves against `goal`.
+///
+/// # Errors
+/// The plate cannot be traced, no light meets it, or it is cancelled.
+pub fn prove_goal(
+    recipe: &Recipe,
+    design: &Design,
+    goal: &Goal,
+    progress: &Progress,
+) -> Result<GoalProof, DesignError> {
+    progress.stage(Stage::Tracing);
+    let mut proof = GoalProof::untraced(goal);
+    let azimuth = recipe.light.phi.to_radians();
+    let turns: &[f64] = if goal.is_isotropic { &[0.0] } else { &[0.0, FRAC_PI_2] };
+    for turn in turns {
+        for theta in POLAR {
+            let light = direction(theta.to_radians(), azimuth + turn);
+            let slice = compared(recipe, design, goal, light, progress)?;
+            let told = GoalSlice { theta, phi: (azimuth + turn).to_degrees(), ..slice.facts };
+            if *turn == 0.0 {
+                let side = |raster: &Raster, dashed| PolarCurve {
+                    theta: theta.to_radians(),
+                    values: through(raster, azimuth),
+                    dashed,
+                };
+                proof.curves.extend([side(&slice.plate, false), side(&slice.goal, true)]);
             }
-            proof.azimuth = azimuth;
-            proof.facts.verdict = Some(verdict(&proof.facts));
+            proof.facts.slices.push(told);
+            progress.check()?;
         }
-        self.goal = Some(proof);
-        Ok(())
     }
+    proof.azimuth = azimuth;
+    proof.facts.verdict = Some(verdict(&proof.facts));
+    Ok(proof)
 }
 
 /// Goal and plate under one lamp, as f_r cosθ dω of every pixel, blurred.
