@@ -88,6 +88,18 @@ impl Move {
 }
 
 impl Program {
+    /// The same program with its zero elsewhere: all places moved by `by` mm.
+    pub fn moved(mut self, by: DVec3) -> Self {
+        self.motions.iter_mut().for_each(|motion| motion.to += by);
+        self.arcs.iter_mut().for_each(|arc| {
+            let [a, b, _] = arc.plane.axes();
+            arc.start += by;
+            arc.end += by;
+            arc.centre = [arc.centre[0] + by[a], arc.centre[1] + by[b]];
+        });
+        self
+    }
+
     /// Every move with where it begins.
     pub fn moves(&self) -> impl Iterator<Item = Move> {
         let mut from = (DVec3::ZERO, [false; 3]);

@@ -115,6 +115,11 @@ impl Ways {
         Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
     }
 
+    /// Size of the plate, mm.
+    pub fn plate(&self) -> DVec2 {
+        self.frame.plate()
+    }
+
     /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting.
     pub fn programs(&self, machine: &Machine, zigzag: bool) -> Vec<Vec<DVec3>> {
         let program = |(k, (y, way)): (usize, &(f64, Way))| {

@@ -29,6 +29,15 @@ const HAIR: f64 = 5e-4;
 const SMALL_LOOK_AHEAD: usize = 16;
 const LOOK_AHEAD: usize = 100;
 
+/// Bytes within which a heading says its tool.
+const HEADING: usize = 2000;
+
+/// How a heading says its tool.
+pub const TOOL: &str = "one tool: ";
+
+/// How a heading says its control.
+pub const CONTROL: &str = ", control ";
+
 /// What a program is judged against.
 #[derive(Clone, Copy)]
 pub struct Against<'a> {
@@ -71,6 +80,8 @@ pub enum What {
     SpindleStands,
     /// Lines faster than the control takes them in.
     LineRate(f64),
+    /// The surface is left standing where it should have been cut.
+    Standing,
     /// Something was changed since it was written.
     Broken,
 }
@@ -118,6 +129,7 @@ impl What {
             Self::Blind => "blind",
             Self::SpindleStands => "spindle-stands",
             Self::LineRate(_) => "line-rate",
+            Self::Standing => "left-standing",
             Self::Broken => "changed",
         }
     }
@@ -142,6 +154,7 @@ impl fmt::Display for Trouble {
                 "lines come at {:.0} a second, and the control takes {most:.0}: lower the feed, or write longer segments",
                 self.by
             )?,
+            What::Standing => write!(out, "leaves {} standing above the plate", length(self.by))?,
             What::Broken => write!(
                 out,
                 "its checksum is not that of its lines: something was changed since it was written; write it again"
@@ -160,6 +173,15 @@ impl fmt::Display for Trouble {
 /// A length as a person reads it.
 fn length(mm: f64) -> String {
     if mm < 0.1 { format!("{:.1} µm", 1000.0 * mm) } else { format!("{mm:.2} mm") }
+}
+
+/// What a program of our own says of itself in its heading: its tool and its control.
+pub fn said_of_itself(text: &[u8]) -> (Option<Cutter>, Option<Dialect>) {
+    let head = String::from_utf8_lossy(&text[..text.len().min(HEADING)]);
+    let after = |words: &str| head.split_once(words).map(|(_, rest)| rest.split([',', ')']).next().unwrap_or_default());
+    // A cutter may have commas of its own.
+    let tool = head.split_once(TOOL).and_then(|(_, rest)| rest.split(')').next());
+    (tool.and_then(|tool| tool.trim().parse().ok()), after(CONTROL).and_then(|control| control.parse().ok()))
 }
 
 /// Judges a program that was read.
@@ -249,7 +271,8 @@ impl Against<'_> {
     }
 }
 
-fn trouble(what: What, amiss: &Amiss) -> Trouble {
+/// What is amiss, as a trouble.
+pub fn trouble(what: What, amiss: &Amiss) -> Trouble {
     // A move from nowhere has no worst place.
     let line = if amiss.line > 0 { amiss.line } else { amiss.first_line };
     let place = (amiss.line > 0).then_some(amiss.place);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::blank::Blank;
-use super::check::{Against, Judgement, Trouble, judged};
+use super::check::{Against, CONTROL, Judgement, TOOL, Trouble, judged};
 use super::feeds::{Pace, SOURCE, Spindle, Stock, bites};
 use crate::cutter::Cutter;
 use crate::gcode::check::Bounds;
@@ -230,7 +230,7 @@ impl Shop {
         let size = self.blank.size();
         let mut heading = vec![
             format!("facetmill {}: {} of {}", env!("CARGO_PKG_VERSION"), part.name(), self.name),
-            format!("Machine {}, control {}; one tool: {cutter}", machining.machine.name, self.dialect),
+            format!("Machine {}{CONTROL}{}; {TOOL}{cutter}", machining.machine.name, self.dialect),
             format!("Stock {} {:.3} x {:.3} x {:.3} mm", self.stock, size.x, size.y, size.z),
             format!("Zero: {}", self.blank.zero_in_words()),
             bounds_in_words(judgement),
