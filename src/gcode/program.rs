@@ -100,6 +100,18 @@ impl Program {
         self
     }
 
+    /// The same program as a slide of z follows it that has `play` mm between its flanks: it stays where it is until a flank
+    /// takes it along. Of arcs the ends alone are moved.
+    pub fn lagging(mut self, play: f64) -> Self {
+        let mut at: Option<f64> = None;
+        for motion in self.motions.iter_mut().filter(|motion| motion.known[2]) {
+            let z = motion.to.z;
+            let slide = at.map_or(z, |at| at.clamp(z - 0.5 * play, z + 0.5 * play));
+            (motion.to.z, at) = (slide, Some(slide));
+        }
+        self
+    }
+
     /// Every move with where it begins.
     pub fn moves(&self) -> impl Iterator<Item = Move> {
         let mut from = (DVec3::ZERO, [false; 3]);

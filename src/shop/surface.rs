@@ -149,13 +149,20 @@ impl Wanted<'_> {
                 if progress.is_abandoned() || one.from.truncate() == one.motion.to.truncate() {
                     return None;
                 }
-                let places = [0.5 * (one.from + one.motion.to), one.motion.to];
+                let places = [one.from, 0.5 * (one.from + one.motion.to), one.motion.to];
+                let above = |place: DVec3| {
+                    let at = place - self.origin;
+                    at.z - self.tips.at(at.truncate())
+                };
+                // A pass that is to leave the surface touches it somewhere; one well above it only takes stock away.
+                let finishes = places.iter().any(|place| above(*place) < FINISHES);
+                let most = if finishes { tolerance } else { most };
                 let standing = places.iter().filter_map(|place| {
-                    let at = (*place - self.origin).truncate();
-                    let above = place.z - self.origin.z - self.tips.at(at);
-                    // A pass that is to leave the surface touches it; one well above it only takes stock away.
-                    let most = if above < FINISHES { tolerance } else { most };
-                    self.standing(swept, at)?.ok().filter(|standing| above > tolerance && standing.by > most)
+                    if above(*place) <= tolerance {
+                        return None;
+                    }
+                    let standing = self.standing(swept, (*place - self.origin).truncate())?.ok()?;
+                    Some(standing).filter(|standing| standing.by > most)
                 });
                 standing.map(|standing| (standing.by, standing.place)).max_by(|a, b| a.0.total_cmp(&b.0))
             })

@@ -10,8 +10,7 @@ use super::program::{home, run_line};
 use super::{assert_done, assert_refused, json, names};
 
 /// A sheet of 12 × 8 mm that takes a moment.
-pub const PLATE: &str =
-    "design ring.png -o plate --grid 32 --cells 1 --size 12x8 --border 1 --for-cutter ball:1 --no-verify --quiet";
+pub const PLATE: &str = "design ring.png -o plate --grid 32 --cells 1 --size 12x8 --border 1 --for-cutter ball:1 --rays 20000 --no-verify --quiet";
 
 /// Machine and passes that take a moment.
 pub const PASSES: &str = "--machine vmc --stepover 0.2 --polish 0.1 --rough-cutter flat:2";
@@ -25,8 +24,10 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         assert!(outcome.told().contains("each was read back"), "{outcome:?}");
         let folder = home.path().join(dialect);
-        let expected = ["air-cut", "finishing", "roughing"].map(|stem| format!("{stem}.{end}"));
-        assert_eq!(names(&folder)[..3], expected);
+        let mut expected = ["air-cut", "finishing", "roughing"].map(|stem| format!("{stem}.{end}")).to_vec();
+        expected.extend(["comparison_made.png", "report.json", "setup.html"].map(str::to_owned));
+        expected.sort_unstable();
+        assert_eq!(names(&folder), expected);
         let report = json(folder.join("report.json"));
         // 12 × 8 mm and a rim of 1 mm around it.
         assert_eq!(report["stock_mm"][0].as_f64().unwrap().round(), 14.0);
@@ -49,6 +50,14 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
     for said in ["G64 P0.0005 Q0", "one tool: ball:1", "Assumes a polish of 100 um", "starting values"] {
         assert!(finishing.contains(said), "{said}");
     }
+    let sheet = fs::read_to_string(home.path().join("linuxcnc/setup.html")).unwrap();
+    for said in
+        ["<svg", "data:image/png;base64,", "finishing.ngc", "flat rim of 1 mm", "% of the light falls", "flat:2"]
+    {
+        assert!(sheet.contains(said), "{said}");
+    }
+    // One page by itself: nothing is fetched.
+    assert!(!sheet.contains("http") && !sheet.contains("<script"), "{sheet}");
     // The same bytes however many threads work, and nothing of other names is touched.
     let again = run_line(home.path(), &format!("mill plate {PASSES} --dialect linuxcnc -o again --threads 1 --quiet"));
     assert_done(&again);

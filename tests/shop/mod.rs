@@ -35,7 +35,7 @@ pub fn wavy() -> Mesh {
 pub fn shop(mesh: &Mesh, degrees: f64, dialect: Dialect) -> Shop {
     // The machine's own rounding is finer than what is looked for.
     let machine = Machine { decimals: 6, ..Machine::ideal() };
-    let passes = Passes { angle: degrees.to_radians(), stepover: 0.05, zigzag: false };
+    let passes = Passes { angle: degrees.to_radians(), stepover: 0.03, zigzag: false };
     let machining = Machining { machine, cutter: Cutter::ball(1.0), passes, polish: Some(0.05), seed: 1 };
     let roughing = Roughing { cutter: Cutter::Flat { diameter: 1.0 }, stepover: 0.4, step: 0.2, allowance: 0.1 };
     Shop {

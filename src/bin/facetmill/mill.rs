@@ -56,16 +56,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     let plate = args.the_plate();
     inputs::given([Some(plate), None])?;
     let Named { stl, mut recipe, mount } = plates::named(plate)?;
-    let how = args.machining();
-    args.settings.apply(&mut recipe);
-    machining::named(&how.by, &mut recipe)?;
-    if recipe.machining.machine.is_none() {
-        return Err(Failure::Usage(
-            "say with --machine which machine makes it, such as desktop-good or vmc; no recipe names one".into(),
-        ));
-    }
-    let machining = machining::of(&how, &recipe.machining.clone(), &recipe)?
-        .ok_or_else(|| Failure::Usage("--machine none makes nothing: name a machine".into()))?;
+    let machining = asked(args, &mut recipe)?;
     let read = inputs::given([Some(plate), None])?;
     plates::spare_design(plate, output)?;
     let mut staged = Staged::new(&Place::new(output, args.running.force, exports::MILL, &read), &run.gate)?;
@@ -110,14 +101,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
         (Some(made), Ok(drawn)) => Some(picture(made, drawn, (&recipe, &shop), &progress)?),
         _ => None,
     };
-    if let Some(picture) = &picture {
-        staged.write_png("comparison_made.png", picture)?;
-    }
-    staged.write_bytes("setup.html", sheet(&shop, &files, &recipe, (&report, picture.as_ref())).page().as_bytes())?;
-    for file in &files {
-        staged.write_bytes(file.name, file.text.as_bytes())?;
-    }
-    staged.write_bytes("report.json", text(&report).as_bytes())?;
+    write(&mut staged, (&shop, &files), &recipe, (&report, picture.as_ref()))?;
     staged.publish()?;
     stages.finish();
     tell(&args.running, &report, |report| Table {
@@ -126,6 +110,44 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
         more: mill_tables::mill(report),
         notes: report.light.iter().chain(&report.advice).cloned().collect(),
     })?;
+    Ok(())
+}
+
+/// How the flags say that it is made, over what the recipe says.
+fn asked(args: &MillArgs, recipe: &mut Recipe) -> Result<Machining, Failure> {
+    let how = args.machining();
+    args.settings.apply(recipe);
+    machining::named(&how.by, recipe)?;
+    let none = || {
+        Failure::Usage(
+            "say with --machine which machine makes it, such as desktop-good or vmc; no recipe names one".into(),
+        )
+    };
+    if recipe.machining.machine.is_none() {
+        return Err(none());
+    }
+    let mut machining = machining::of(&how, &recipe.machining, recipe)?.ok_or_else(none)?;
+    if args.compensate {
+        machining.machine.compensation_z = machining.machine.backlash_z;
+    }
+    Ok(machining)
+}
+
+/// Every file of the folder.
+fn write(
+    staged: &mut Staged,
+    (shop, files): (&Shop, &[ShopFile]),
+    recipe: &Recipe,
+    (report, picture): (&MillReport, Option<&RgbImage>),
+) -> Result<(), Failure> {
+    for file in files {
+        staged.write_bytes(file.name, file.text.as_bytes())?;
+    }
+    if let Some(picture) = picture {
+        staged.write_png("comparison_made.png", picture)?;
+    }
+    staged.write_bytes("setup.html", sheet(shop, files, recipe, (report, picture)).page().as_bytes())?;
+    staged.write_bytes("report.json", text(report).as_bytes())?;
     Ok(())
 }
 

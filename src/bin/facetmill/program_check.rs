@@ -41,6 +41,8 @@ struct Given {
     dialect: Option<Dialect>,
     machine: Machine,
     polish: Option<f64>,
+    /// Play of z that it makes up for, mm.
+    play: f64,
 }
 
 /// What came of it.
@@ -116,7 +118,7 @@ fn given(args: &MillArgs, file: &Path, recipe: &Recipe, limit: MemoryLimit) -> R
     let mut bytes = Vec::new();
     let cannot = |error| Failure::Input(format!("{name}: the file cannot be read ({error}); check its permissions"));
     opened.take(length.max(1)).read_to_end(&mut bytes).map_err(cannot)?;
-    let (tool, control) = said_of_itself(&bytes);
+    let (tool, control, play) = said_of_itself(&bytes);
     let sheet = &recipe.design.sheet;
     let cutter = args.cutter.or(tool).or(sheet.cutter).ok_or_else(|| {
         Failure::Usage(
@@ -126,9 +128,11 @@ fn given(args: &MillArgs, file: &Path, recipe: &Recipe, limit: MemoryLimit) -> R
     if !(cutter.diameter() > 0.0 && cutter.diameter().is_finite()) {
         return Err(Failure::Usage(format!("--cutter: {cutter} has no width: name one wider than 0")));
     }
-    let machine = recipe.machining.machine.clone().unwrap_or_else(Machine::ideal);
+    let mut machine = recipe.machining.machine.clone().unwrap_or_else(Machine::ideal);
+    // Its places are moved by it at once, before they are judged.
+    machine.compensation_z = 0.0;
     let polish = args.polish.or(sheet.polish).filter(|polish| *polish > 0.0);
-    Ok(Given { bytes, cutter, dialect: args.dialect.or(control), machine, polish })
+    Ok(Given { bytes, cutter, dialect: args.dialect.or(control), machine, polish, play })
 }
 
 /// What the light is scored against.
@@ -148,7 +152,7 @@ fn found(
     progress: &Progress,
 ) -> Result<Found, Failure> {
     let zero = DVec3::from_array(args.zero.unwrap_or_default());
-    program.program = program.program.moved(zero);
+    program.program = program.program.moved(zero).lagging(given.play);
     let blank = Blank::new(&opened.mesh, margin, args.stock_over);
     let tips = TipHeights::new(&opened.mesh.at_optical_corner(margin), given.cutter.profile());
     let origin = blank.origin_of_optical();

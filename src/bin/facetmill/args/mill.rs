@@ -55,6 +55,9 @@ pub struct MillArgs {
     /// second come.
     #[arg(long, value_name = "NAME", help_heading = "Machine")]
     pub dialect: Option<Dialect>,
+    /// Make up for the machine's play of z (its backlash-z) where heights turn: for a play that was measured
+    #[arg(long, help_heading = "Machine", conflicts_with = "check")]
+    pub compensate: bool,
     /// Most turns of the spindle a minute
     #[arg(long, value_name = "RPM", help_heading = "Machine", default_value = "24000", value_parser = number)]
     pub spindle: f64,
