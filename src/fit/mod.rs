@@ -41,6 +41,8 @@ const TRIED: [&str; 11] = [
 const WITH_MORE: usize = 3;
 /// One more lobe is believed if it takes this share of the error.
 const WORTH_A_LOBE: f64 = 0.15;
+/// Reflectance below which an even base counts as none.
+const NO_BASE: f64 = 1e-5;
 /// Polar angles of the light, degrees.
 const POLAR: [f64; 6] = [2.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 /// Half vectors of every light: tilts, closer together toward the normal, and azimuths of a turn.
@@ -235,6 +237,9 @@ fn with_another(samples: &Samples, last: &Fitted) -> Option<Fitted> {
     let mut best: Option<Fitted> = None;
     for factor in [3.0, 1.0 / 3.0] {
         let mut terms = last.model.terms().to_vec();
+        if !terms.iter().any(|term| term.kind.is_base) {
+            terms.insert(0, term("lambert", vec![1e-3], Share::Even(1.0))?);
+        }
         let mut lobe = terms.last()?.clone();
         let wide = ["ggx", "beckmann", "cook-torrance", "ward", "ward-bounded", "gaussian", "shifted-gamma"];
         match lobe.kind.name {
@@ -281,6 +286,10 @@ fn rounded(shape: &Shape, at: &[f64]) -> Option<Named> {
             Share::Schlick(share) => Share::Schlick(round(share)),
             Share::Index(eta) => Share::Index(round(eta)),
         };
+    }
+    // A base that is not there need not be written.
+    if terms.iter().any(|term| !term.kind.is_base) {
+        terms.retain(|term| !term.kind.is_base || term.numbers[0] > NO_BASE);
     }
     Named::new(terms).ok()
 }

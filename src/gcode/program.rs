@@ -88,6 +88,30 @@ impl Move {
 }
 
 impl Program {
+    /// The same program with its zero elsewhere: all places moved by `by` mm.
+    pub fn moved(mut self, by: DVec3) -> Self {
+        self.motions.iter_mut().for_each(|motion| motion.to += by);
+        self.arcs.iter_mut().for_each(|arc| {
+            let [a, b, _] = arc.plane.axes();
+            arc.start += by;
+            arc.end += by;
+            arc.centre = [arc.centre[0] + by[a], arc.centre[1] + by[b]];
+        });
+        self
+    }
+
+    /// The same program as a slide of z follows it that has `play` mm between its flanks: it stays where it is until a flank
+    /// takes it along. Of arcs the ends alone are moved.
+    pub fn lagging(mut self, play: f64) -> Self {
+        let mut at: Option<f64> = None;
+        for motion in self.motions.iter_mut().filter(|motion| motion.known[2]) {
+            let z = motion.to.z;
+            let slide = at.map_or(z, |at| at.clamp(z - 0.5 * play, z + 0.5 * play));
+            (motion.to.z, at) = (slide, Some(slide));
+        }
+        self
+    }
+
     /// Every move with where it begins.
     pub fn moves(&self) -> impl Iterator<Item = Move> {
         let mut from = (DVec3::ZERO, [false; 3]);

@@ -48,7 +48,11 @@ impl Goal {
     /// # Errors
     /// A file that cannot be read or holds no reflectance, or nothing left of a goal without its even part.
     pub fn read(spec: &GoalSpec, part: GoalPart, light: DVec3) -> Result<Self, GoalError> {
-        let read::Read { all, specular, notes, is_isotropic } = read::read(spec, light)?;
+        let read::Read { all, specular, mut notes, is_isotropic, even } = read::read(spec)?;
+        if part == GoalPart::Specular && even > 0.0 {
+            let albedo = even * std::f64::consts::PI;
+            notes.push(format!("Taken as scattering evenly: {even:.4} 1/sr, an albedo of {albedo:.3}."));
+        }
         let wanted = match part {
             GoalPart::All => all.clone(),
             GoalPart::Specular => specular.ok_or_else(|| GoalError::OnlyBase(spec.to_string()))?,

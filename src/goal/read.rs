@@ -5,7 +5,6 @@ use std::io::{self, BufReader, Read as _};
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
 use serde::Deserialize;
 use thiserror::Error;
 
@@ -27,13 +26,15 @@ pub(super) struct Read {
     pub specular: Option<Reflectance>,
     pub notes: Vec<String>,
     pub is_isotropic: bool,
+    /// Of measured data, what was taken as scattering evenly, 1/sr.
+    pub even: f64,
 }
 
 /// Largest file that is read, bytes: a CSV of 16 × 16 incident directions and 128 × 64 cells has 100 MB.
 const LARGEST: u64 = 1 << 30;
 
-/// Reads it, for light from `light`.
-pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
+/// Reads it.
+pub(super) fn read(spec: &GoalSpec) -> Result<Read, GoalError> {
     let (kind, path, tilt) = match spec {
         GoalSpec::Model(model) => {
             return Ok(Read {
@@ -41,6 +42,7 @@ pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
                 specular: model.without_base().map(of_model),
                 notes: Vec::new(),
                 is_isotropic: model.is_isotropic(),
+                even: 0.0,
             });
         }
         GoalSpec::File { kind, path, tilt } => (*kind, path.as_path(), tilt.unwrap_or(GoalSpec::TILT)),
@@ -52,14 +54,14 @@ pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
             let normals = PaintedNormals::new(&picture.light, tilt.to_radians());
             let normals = normals.map_err(|source| GoalError::Normals { name, source })?;
             let all = of_model(Microfacets { normals, shadowing: Shadowing::Smith });
-            Ok(Read { specular: Some(all.clone()), all, notes: picture.notes, is_isotropic: false })
+            Ok(Read { specular: Some(all.clone()), all, notes: picture.notes, is_isotropic: false, even: 0.0 })
         }
         GoalFile::Lafortune => {
             let lobes = lobes(path)?;
             let isotropic = lobes.iter().all(|lobe| lobe.direction.x == lobe.direction.y);
             let model = Lafortune::new(lobes).ok_or_else(|| GoalError::Lobes { name, what: "no [[lobe]]".into() })?;
             let all = of_model(model);
-            Ok(Read { specular: Some(all.clone()), all, notes: Vec::new(), is_isotropic: isotropic })
+            Ok(Read { specular: Some(all.clone()), all, notes: Vec::new(), is_isotropic: isotropic, even: 0.0 })
         }
         GoalFile::Merl => {
             let merl =
@@ -75,7 +77,7 @@ pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
                 let value = 0.2126 * channel(0) + 0.7152 * channel(1) + 0.0722 * channel(2);
                 if value.is_finite() { value } else { 0.0 }
             });
-            Ok(measured(all, light, notes, true))
+            Ok(measured(all, notes, true))
         }
         GoalFile::Bsdf => {
             let mut bytes = Vec::new();
@@ -83,18 +85,20 @@ pub(super) fn read(spec: &GoalSpec, light: DVec3) -> Result<Read, GoalError> {
             read.map_err(|source| GoalError::Unreadable { name: name.clone(), source })?;
             let table = read_bsdf(&bytes).map_err(|source| GoalError::Bsdf { name, source })?;
             let isotropic = table.axes().is_isotropic();
-            Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), light, Vec::new(), isotropic))
+            Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), Vec::new(), isotropic))
         }
         GoalFile::Csv => {
             let table = read_brdf_csv(&text(path, LARGEST)?).map_err(|source| GoalError::Csv { name, source })?;
             let isotropic = table.axes().is_isotropic();
-            Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), light, Vec::new(), isotropic))
+            Ok(measured(Arc::new(move |wi, wo| table.at(wi, wo)), Vec::new(), isotropic))
         }
     }
 }
 
-/// Measured data with its even part told apart: the least value within 60° of the normal under the lamp of the design.
-fn measured(all: Reflectance, light: DVec3, mut notes: Vec<String>, is_isotropic: bool) -> Read {
+/// Measured data with its even part told apart: the least value that viewers within 60° of the normal see under a lamp at 60°,
+/// whose half vectors lie farther from the normal than lobes reach.
+fn measured(all: Reflectance, notes: Vec<String>, is_isotropic: bool) -> Read {
+    let light = direction(f64::to_radians(60.0), 0.0);
     let mut values: Vec<f64> = (0..24 * 36)
         .map(|k| all(light, direction(f64::to_radians(2.5 * (k % 24) as f64), f64::to_radians(10.0 * (k / 24) as f64))))
         .filter(|value| value.is_finite() && *value > 0.0)
@@ -102,16 +106,10 @@ fn measured(all: Reflectance, light: DVec3, mut notes: Vec<String>, is_isotropic
     values.sort_by(f64::total_cmp);
     // One cell in fifty may be noise.
     let even = values.get(values.len() / 50).copied().unwrap_or(0.0);
-    if even > 0.0 {
-        notes.push(format!(
-            "Taken as scattering evenly: {even:.4} 1/sr, an albedo of {:.3}.",
-            even * std::f64::consts::PI
-        ));
-    }
     let whole = all.clone();
     let specular: Reflectance = Arc::new(move |wi, wo| (whole(wi, wo) - even).max(0.0));
     let left = values.iter().any(|value| *value > even);
-    Read { all, specular: left.then_some(specular), notes, is_isotropic }
+    Read { all, specular: left.then_some(specular), notes, is_isotropic, even }
 }
 
 /// The lobes of a TOML file: `[[lobe]]` tables with `c = [Cx, Cy, Cz]` and `n`.

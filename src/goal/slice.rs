@@ -143,12 +143,21 @@ fn flux(side: usize, f: impl Fn(DVec3) -> f64 + Sync) -> Raster {
     Raster { width: side, height: side, values: values.collect() }
 }
 
-/// Where a slice through the plane of incidence is read: pixel and projected solid angle at the polar `angle` toward `phi`.
-pub(crate) fn in_plane(angle: f64, phi: f64, side: usize) -> Option<(usize, f64)> {
+/// f_r at the polar `angle` toward `phi` of flux over the hemisphere, between the middles of pixels.
+pub(crate) fn in_plane(flux: &Raster, angle: f64, phi: f64) -> Option<f64> {
+    let side = flux.width;
     let view = hemisphere_view();
     let o = crate::slope::direction(angle, phi);
     let uv = view.forward(o)?;
-    let (column, row) = View::pixel_at(uv, side, side)?;
     let share = o.z * view.solid_angle_density(uv) * 4.0 / (side * side) as f64;
-    (share > 0.0 && angle.abs() < 0.5 * PI).then_some((row * side + column, share))
+    let at = |t: f64| {
+        let at = (0.5 * (t + 1.0) * side as f64 - 0.5).clamp(0.0, (side - 1) as f64);
+        let low = (at as usize).min(side - 2);
+        (low, at - low as f64)
+    };
+    let ((column, s), (row, t)) = (at(uv.x), at(-uv.y));
+    let along = |row: usize| (1.0 - s) * flux.at(column, row) + s * flux.at(column + 1, row);
+    let value = (1.0 - t) * along(row) + t * along(row + 1);
+    // Toward the horizon a pixel's light is that of its upper part.
+    (angle.abs() < 0.5 * PI - 0.03).then(|| value / share)
 }

@@ -154,8 +154,13 @@ pub const MILL: &[&str] = &[
     "finishing.nc",
     "finishing.ngc",
     "finishing.tap",
+    "comparison_made.png",
+    "setup.html",
     "report.json",
 ];
+
+/// Every file that `mill --check` may write.
+pub const CHECK: &[&str] = &["target.png", "comparison.png", "report.json"];
 
 /// The names of all files that a design may write.
 pub fn names() -> Vec<&'static str> {

@@ -163,7 +163,7 @@ fn over(recipe: &Recipe, design: &Design, task: Mirrored) -> Result<Measurement,
 fn through(flux: &Raster, azimuth: f64) -> Vec<f64> {
     let value = |k: usize| {
         let angle = (k as f64 / STEPS as f64 - 0.5) * PI;
-        in_plane(angle, azimuth, SIDE).map_or(0.0, |(pixel, share)| flux.values[pixel] / share)
+        in_plane(flux, angle, azimuth).unwrap_or(0.0)
     };
     (0..=STEPS).map(value).collect()
 }

@@ -13,6 +13,7 @@ use crate::projection::View;
 use crate::raster::Raster;
 use crate::recipe::Recipe;
 use crate::relief::mesh::Mesh;
+use crate::relief::open::OpenRelief;
 use crate::report::made::MadeFacts;
 use crate::sharpen::{BlurKernel, seen};
 use crate::slope::{Slope, angle_between, mirror};
@@ -71,7 +72,7 @@ pub struct Seen<'a> {
 pub fn prove_as_made(
     machining: &Machining,
     (mesh, plate, margin): (&Mesh, DVec2, f64),
-    Seen { target, blur, rim }: Seen,
+    seen: Seen,
     draws: u64,
     mirrored: Mirrored,
 ) -> Result<MadeProof, DesignError> {
@@ -79,6 +80,21 @@ pub fn prove_as_made(
     progress.stage(Stage::Milling);
     let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress);
     progress.check()?;
+    prove_along(machining, &ways, seen, draws, mirrored)
+}
+
+/// The same where the passes over the plate are known.
+///
+/// # Errors
+/// As [`prove_as_made`].
+pub fn prove_along(
+    machining: &Machining,
+    ways: &Ways,
+    Seen { target, blur, rim }: Seen,
+    draws: u64,
+    mirrored: Mirrored,
+) -> Result<MadeProof, DesignError> {
+    let progress = mirrored.progress;
     let mut found: Vec<(Measurement, Verdict)> = Vec::new();
     let mut first = None;
     for draw in 0..draws.max(1) {
@@ -87,15 +103,17 @@ pub fn prove_as_made(
         }
         let measurement = match machining.polish {
             Some(_) => {
-                let surface = machining.polished(&ways, draw, progress);
+                let surface = machining.polished(ways, draw, progress);
                 progress.check()?;
                 let surface = surface.ok_or(DesignError::NoLight)?;
-                let light =
-                    TracedPlate::new(&sheet_solid(&surface, THICKNESS, 0.0, progress)?, 0.0, progress)?.run(mirrored);
+                let light = traced(&surface, mirrored)?;
                 first.get_or_insert(surface);
-                light
+                Ok(light)
             }
-            None => bare(machining, &ways, draw, blur, mirrored),
+            None => {
+                let surface = machining.bare(ways, draw);
+                bare(|k, rows| surface.slopes(k, rows), blur, mirrored)
+            }
         };
         progress.check()?;
         progress.stage(Stage::Scoring);
@@ -140,18 +158,23 @@ impl MadeProof {
     }
 }
 
-/// Light of a plate that is not polished: first bounces of every slope, nothing in their way, seen through `blur`.
-fn bare(
-    machining: &Machining,
-    ways: &Ways,
-    draw: u64,
+/// Light over a polished surface.
+pub(super) fn traced(surface: &OpenRelief, mirrored: Mirrored) -> Result<Measurement, DesignError> {
+    let progress = mirrored.progress;
+    let solid = sheet_solid(surface, THICKNESS, 0.0, progress)?;
+    Ok(TracedPlate::new(&solid, 0.0, progress)?.run(mirrored)?)
+}
+
+/// Light of a plate that is not polished, whose slopes `slopes` tells of row k of n spread evenly over it: first bounces of
+/// every slope, nothing in their way, seen through `blur`.
+pub(super) fn bare(
+    slopes: impl Fn(usize, usize) -> Vec<DVec2> + Sync,
     blur: Option<&BlurKernel>,
     mirrored: Mirrored,
 ) -> Result<Measurement, MeasureError> {
     let Mirrored { setup, metal, measuring, progress } = mirrored;
     let sensor = HighlightImage { setup, resolution: measuring.resolution };
     let light = setup.light();
-    let surface = machining.bare(ways, draw);
     let count = |tally: &mut Tally, slope: &DVec2| {
         let slope = Slope::from_vec(*slope);
         let (normal, flux) = (slope.normal(), slope.intercept(light).max(0.0) / light.z);
@@ -166,7 +189,7 @@ fn bare(
     let part = |part: usize| {
         let mut tally = Tally::empty(sensor.size());
         for k in (part..ROWS_A_PART * PARTS).step_by(PARTS).take_while(|_| !progress.is_abandoned()) {
-            let slopes = surface.slopes(k, ROWS_A_PART * PARTS);
+            let slopes = slopes(k, ROWS_A_PART * PARTS);
             slopes.iter().filter(|slope| slope.is_finite()).for_each(|slope| count(&mut tally, slope));
         }
         if let Some(blur) = blur {

@@ -24,6 +24,8 @@ pub mod proof;
 
 pub mod made;
 
+pub mod swept;
+
 pub mod compare;
 
 pub mod memory;

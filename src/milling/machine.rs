@@ -23,6 +23,9 @@ pub struct Machine {
     pub backlash_xy: f64,
     /// Play of z when it turns, mm. A good small z axis was measured with 0.015.
     pub backlash_z: f64,
+    /// Play of z that its programs make up for, mm: what was measured of this machine, or 0.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub compensation_z: f64,
     /// Standard deviation of the height from one track to the next, mm. Assumed.
     pub track_scatter: f64,
     /// Standard deviation of the height from one cut of a tooth to the next, mm. Assumed.
@@ -55,6 +58,7 @@ fn faultless(name: &str) -> Machine {
         smoothing: 0.0,
         backlash_xy: 0.0,
         backlash_z: 0.0,
+        compensation_z: 0.0,
         track_scatter: 0.0,
         tooth_scatter: 0.0,
         feed_per_tooth: 0.0,
@@ -66,6 +70,11 @@ fn faultless(name: &str) -> Machine {
         acceleration: 300.0,
         lines_per_second: 400.0,
     }
+}
+
+/// Whether a length is none.
+fn is_none(length: &f64) -> bool {
+    *length == 0.0
 }
 
 /// The names of all presets, roughest first.
@@ -169,6 +178,7 @@ impl Machine {
             ("smoothing", self.smoothing),
             ("backlash-xy", self.backlash_xy),
             ("backlash-z", self.backlash_z),
+            ("compensation-z", self.compensation_z),
             ("track-scatter", self.track_scatter),
             ("tooth-scatter", self.tooth_scatter),
             ("feed-per-tooth", self.feed_per_tooth),

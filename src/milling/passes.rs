@@ -115,12 +115,18 @@ impl Ways {
         Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
     }
 
+    /// Size of the plate, mm.
+    pub fn plate(&self) -> DVec2 {
+        self.frame.plate()
+    }
+
     /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting.
     pub fn programs(&self, machine: &Machine, zigzag: bool) -> Vec<Vec<DVec3>> {
         let program = |(k, (y, way)): (usize, &(f64, Way))| {
-            let ends = way.programmed(machine).into_iter();
+            let backward = zigzag && k % 2 == 1;
+            let ends = way.programmed(machine, backward).into_iter();
             let mut ends: Vec<DVec3> = ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
-            if zigzag && k % 2 == 1 {
+            if backward {
                 ends.reverse();
             }
             ends

@@ -45,17 +45,17 @@ pub struct Block<'a> {
     pub mesh: &'a Mesh,
     /// Lower left and upper right corner of the optical area, mm.
     pub optical: [DVec2; 2],
-    /// Height of the stock's upper face, mm.
-    pub top: f64,
 }
 
 impl Roughing {
-    /// The tip's ways, mm, in the mesh's own frame and in the order of cutting: level by level, each as far as it takes
-    /// something away; of no use if the work is abandoned meanwhile.
-    pub fn tracks(&self, block: &Block, progress: &Progress) -> Vec<Vec<DVec3>> {
-        let raised = self.raised(block);
-        let (low, high) = raised.bounds();
-        let tips = TipHeights::new(&raised, self.cutter.profile());
+    /// How low the cutter can stand over the plate with its allowance.
+    pub fn tips(&self, block: &Block) -> TipHeights {
+        TipHeights::new(&self.raised(block), self.cutter.profile())
+    }
+
+    /// The tip's ways, mm, over `tips` of a plate from corner `low` to `high`, in the mesh's own frame and in the order of
+    /// cutting: level by level, each as far as it takes something away; of no use if the work is abandoned meanwhile.
+    pub fn tracks(&self, tips: &TipHeights, [low, high]: [DVec2; 2], top: f64, progress: &Progress) -> Vec<Vec<DVec3>> {
         let beyond = self.cutter.reach() + BESIDE;
         let (from, length) = (low.x - beyond, high.x - low.x + 2.0 * beyond);
         let places = (length / (self.cutter.reach() / PLACES_A_RADIUS)).ceil().max(2.0);
@@ -69,12 +69,12 @@ impl Roughing {
                 (y, widened(&(0..=places as usize).map(tip).collect::<Vec<f64>>()))
             })
             .collect();
-        let lowest = rows.iter().flat_map(|(_, row)| row).copied().filter(|z| z.is_finite()).fold(block.top, f64::min);
-        let levels = ((block.top - lowest) / self.step).ceil().clamp(1.0, MOST_LEVELS);
-        let step = (block.top - lowest) / levels;
+        let lowest = rows.iter().flat_map(|(_, row)| row).copied().filter(|z| z.is_finite()).fold(top, f64::min);
+        let levels = ((top - lowest) / self.step).ceil().clamp(1.0, MOST_LEVELS);
+        let step = (top - lowest) / levels;
         let mut tracks = Vec::new();
         for level in 0..levels as usize {
-            let (above, floor) = (block.top - step * level as f64, block.top - step * (level + 1) as f64);
+            let (above, floor) = (top - step * level as f64, top - step * (level + 1) as f64);
             for (k, (y, row)) in rows.iter().enumerate() {
                 for run in runs(row, above) {
                     let way: Vec<[f64; 2]> = run.map(|i| [at(i), row[i].max(floor)]).collect();
@@ -92,7 +92,7 @@ impl Roughing {
 
     /// The triangles that face up, those of the optical area higher by the allowance.
     fn raised(&self, block: &Block) -> Mesh {
-        let Block { mesh, optical: [low, high], .. } = *block;
+        let Block { mesh, optical: [low, high] } = *block;
         let mut raised = Mesh::default();
         for k in 0..mesh.triangles.len() {
             let [a, b, c] = mesh.corners(k);
@@ -151,15 +151,16 @@ mod tests {
         let cutter: Cutter = "flat:2".parse().unwrap();
         let roughing = Roughing { cutter, stepover: 0.8, step: 0.5, allowance: 0.1 };
         let optical = [DVec2::new(3.0, 0.0), DVec2::new(7.0, 6.0)];
-        let block = Block { mesh: &mesh, optical, top: 2.3 };
-        let tracks = roughing.tracks(&block, &Progress::silent());
+        let block = Block { mesh: &mesh, optical };
+        let tips = roughing.tips(&block);
+        let box_of = [DVec2::ZERO, DVec2::new(10.0, 6.0)];
+        let tracks = roughing.tracks(&tips, box_of, 2.3, &Progress::silent());
         let lowest = |x: f64| {
             let over = tracks.iter().flatten().filter(|point| (point.x - x).abs() < 0.9);
             over.map(|point| point.z).fold(f64::INFINITY, f64::min)
         };
         assert!((lowest(5.0) - 2.1).abs() < 1e-6 && lowest(1.0).abs() < 1e-6 && lowest(9.0).abs() < 1e-6);
         // No segment passes lower than the cutter may stand over the plate, wherever the wall is between its ends.
-        let tips = TipHeights::new(&roughing.raised(&block), cutter.profile());
         let mut before = 2.3;
         for track in &tracks {
             for pair in track.windows(2) {

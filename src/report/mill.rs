@@ -3,10 +3,13 @@
 use serde::Serialize;
 
 use super::MeshFacts;
+use super::made::MadeFacts;
+use super::scores::Scores;
 use crate::cutter::Cutter;
 use crate::milling::machine::Machine;
 use crate::shop::check::{Judgement, Trouble};
 use crate::shop::programs::{Shop, ShopFile};
+use crate::shop::surface::Left;
 
 /// Programs that were written for a plate.
 #[derive(Clone, Debug, Serialize)]
@@ -44,6 +47,12 @@ pub struct MillReport {
     pub programs: Vec<ProgramFacts>,
     /// All of it in hours.
     pub hours: f64,
+    /// The light of the plate as the machine makes it along the finishing program, if its drawing is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_made: Option<MadeFacts>,
+    /// The same in a sentence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<String>,
     /// What was made, in a sentence.
     pub verdict: String,
     /// What a person should know; empty if nothing is off.
@@ -126,6 +135,8 @@ impl MillReport {
             machine: machining.machine,
             programs: files.iter().map(ProgramFacts::new).collect(),
             hours,
+            as_made: None,
+            light: None,
             verdict: format!(
                 "{} programs for {} on {}, {hours:.1} hours in all: each was read back, and does nothing that the check \
                  refuses.",
@@ -175,6 +186,67 @@ impl From<&Trouble> for TroubleFacts {
             by_mm: (trouble.by > 0.0).then_some(trouble.by),
             place_mm: trouble.place.map(|place| place.to_array()),
             sentence: trouble.to_string(),
+        }
+    }
+}
+
+/// A program of any origin, judged against a plate.
+#[derive(Clone, Debug, Serialize)]
+pub struct CheckReport {
+    /// The program and its version.
+    pub program: &'static str,
+    /// The file that was judged.
+    pub gcode: String,
+    /// The mesh that it is judged against.
+    pub plate: MeshFacts,
+    /// The cutter.
+    pub cutter: Cutter,
+    /// The control, if it is known.
+    pub dialect: Option<String>,
+    /// The machine.
+    pub machine: Machine,
+    /// What reading it said.
+    pub read: ReadFacts,
+    /// The surface that it leaves, if it goes down to the plate.
+    pub surface: Option<SurfaceFacts>,
+    /// Standard deviation of the polish that was assumed, mm.
+    pub polish_mm: Option<f64>,
+    /// The light of that surface, if the plate's drawing is known.
+    pub light: Option<Scores>,
+    /// Whether the program should not be run.
+    pub refused: bool,
+    /// What was found, in a sentence.
+    pub verdict: String,
+    /// What a person should know; empty if nothing is off.
+    pub advice: Vec<String>,
+}
+
+/// The surface that a program leaves, at places of the plate that its cutter can touch.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SurfaceFacts {
+    /// What is left standing on the mean, µm: of a finished surface its cusps.
+    pub left_mean_um: f64,
+    /// What is left standing at the most, µm.
+    pub left_most_um: f64,
+    /// Where that is, as the program counts, mm.
+    pub left_most_at_mm: [f64; 3],
+    /// Line that passed lowest there.
+    pub left_most_line: u32,
+    /// The deepest below the plate, µm.
+    pub below_um: f64,
+    /// Share of the places over which nothing has passed.
+    pub untouched: f64,
+}
+
+impl From<&Left> for SurfaceFacts {
+    fn from(left: &Left) -> Self {
+        Self {
+            left_mean_um: 1000.0 * left.mean,
+            left_most_um: 1000.0 * left.most,
+            left_most_at_mm: left.place.to_array(),
+            left_most_line: left.line,
+            below_um: 1000.0 * left.deepest,
+            untouched: left.untouched,
         }
     }
 }

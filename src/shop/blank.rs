@@ -38,6 +38,11 @@ impl Blank {
         [self.low.truncate() + self.margin, self.high.truncate() - self.margin]
     }
 
+    /// Lower left and upper right corner of the plate in its own frame, mm.
+    pub fn corners(&self) -> [DVec2; 2] {
+        [self.low.truncate(), self.high.truncate()]
+    }
+
     /// The programs' zero in the plate's own frame, mm.
     pub fn zero(&self) -> DVec3 {
         DVec3::new(self.low.x, self.low.y, self.top())

@@ -29,6 +29,18 @@ const HAIR: f64 = 5e-4;
 const SMALL_LOOK_AHEAD: usize = 16;
 const LOOK_AHEAD: usize = 100;
 
+/// Bytes within which a heading says its tool.
+const HEADING: usize = 2000;
+
+/// How a heading says its tool.
+pub const TOOL: &str = "one tool: ";
+
+/// How a heading says its control.
+pub const CONTROL: &str = ", control ";
+
+/// How a heading says the play that it makes up for, µm.
+pub const PLAY: &str = "Makes up for ";
+
 /// What a program is judged against.
 #[derive(Clone, Copy)]
 pub struct Against<'a> {
@@ -71,6 +83,8 @@ pub enum What {
     SpindleStands,
     /// Lines faster than the control takes them in.
     LineRate(f64),
+    /// The surface is left standing where it should have been cut.
+    Standing,
     /// Something was changed since it was written.
     Broken,
 }
@@ -118,6 +132,7 @@ impl What {
             Self::Blind => "blind",
             Self::SpindleStands => "spindle-stands",
             Self::LineRate(_) => "line-rate",
+            Self::Standing => "left-standing",
             Self::Broken => "changed",
         }
     }
@@ -142,6 +157,7 @@ impl fmt::Display for Trouble {
                 "lines come at {:.0} a second, and the control takes {most:.0}: lower the feed, or write longer segments",
                 self.by
             )?,
+            What::Standing => write!(out, "leaves {} standing above the plate", length(self.by))?,
             What::Broken => write!(
                 out,
                 "its checksum is not that of its lines: something was changed since it was written; write it again"
@@ -162,11 +178,22 @@ fn length(mm: f64) -> String {
     if mm < 0.1 { format!("{:.1} µm", 1000.0 * mm) } else { format!("{mm:.2} mm") }
 }
 
+/// What a program of our own says of itself in its heading: its tool, its control, and the play of z that it makes up for.
+pub fn said_of_itself(text: &[u8]) -> (Option<Cutter>, Option<Dialect>, f64) {
+    let head = String::from_utf8_lossy(&text[..text.len().min(HEADING)]);
+    let after = |words: &str| head.split_once(words).map(|(_, rest)| rest.split([',', ')']).next().unwrap_or_default());
+    // A cutter may have commas of its own.
+    let tool = head.split_once(TOOL).and_then(|(_, rest)| rest.split(')').next());
+    let play = head.split_once(PLAY).and_then(|(_, rest)| rest.split(' ').next()?.parse().ok());
+    let play: f64 = play.filter(|play: &f64| (0.0..=1000.0).contains(play)).unwrap_or_default();
+    let (tool, control) = (tool.and_then(|tool| tool.trim().parse().ok()), after(CONTROL));
+    (tool, control.and_then(|control| control.parse().ok()), 1e-3 * play)
+}
+
 /// Judges a program that was read.
 pub fn judged(read: &Read, against: &Against) -> Judgement {
     let program = &read.program;
-    let timing = timing(program, &against.kinematics());
-    let extent = extent(program);
+    let Judgement { timing, extent, lines, .. } = against.measured(read);
     let mut troubles: Vec<Trouble> = read
         .faults
         .iter()
@@ -194,16 +221,33 @@ pub fn judged(read: &Read, against: &Against) -> Judgement {
         }
         notes.push(format!("line {}: {}", note.line, note.what));
     }
-    troubles.extend(against.places(program));
+    // What makes up for play goes where it should on a slide that has it.
+    let play = against.machine.compensation_z;
+    if play > 0.0 {
+        troubles.extend(against.places(&program.clone().lagging(play)));
+    } else {
+        troubles.extend(against.places(program));
+    }
     let most = against.line_rate();
     if timing.line_rate > most {
         let (line, by) = (timing.busiest_line, timing.line_rate);
         troubles.push(Trouble { what: What::LineRate(most), line, count: 1, by, place: None });
     }
-    Judgement { troubles, notes, extent, timing, lines: program.lines }
+    Judgement { troubles, notes, extent, timing, lines }
 }
 
 impl Against<'_> {
+    /// Only how far it goes and how long it takes, with nothing judged.
+    pub fn measured(&self, read: &Read) -> Judgement {
+        Judgement {
+            troubles: Vec::new(),
+            notes: Vec::new(),
+            extent: extent(&read.program),
+            timing: timing(&read.program, &self.kinematics()),
+            lines: read.program.lines,
+        }
+    }
+
     /// How the machine moves.
     fn kinematics(&self) -> Kinematics {
         let small = matches!(self.dialect, None | Some(Dialect::Grbl));
@@ -249,7 +293,8 @@ impl Against<'_> {
     }
 }
 
-fn trouble(what: What, amiss: &Amiss) -> Trouble {
+/// What is amiss, as a trouble.
+pub fn trouble(what: What, amiss: &Amiss) -> Trouble {
     // A move from nowhere has no worst place.
     let line = if amiss.line > 0 { amiss.line } else { amiss.first_line };
     let place = (amiss.line > 0).then_some(amiss.place);

@@ -13,3 +13,5 @@ pub mod surface;
 pub mod check;
 
 pub mod programs;
+
+pub mod sheet;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::blank::Blank;
-use super::check::{Against, Judgement, Trouble, judged};
+use super::check::{Against, CONTROL, Judgement, PLAY, TOOL, Trouble, judged};
 use super::feeds::{Pace, SOURCE, Spindle, Stock, bites};
 use crate::cutter::Cutter;
 use crate::gcode::check::Bounds;
@@ -142,12 +142,13 @@ impl Shop {
         let origin = self.blank.origin_of_optical();
         let mut finishing = ways.programs(&machining.machine, machining.passes.zigzag);
         finishing.iter_mut().flatten().for_each(|point| *point += origin);
-        let block = Block { mesh, optical: self.blank.optical(), top: self.blank.top() };
-        let mut roughing = self.roughing.tracks(&block, progress);
+        // Roughing is judged against the plate with its allowance, which is more than against the plate itself.
+        let rough_tips = self.roughing.tips(&Block { mesh, optical: self.blank.optical() });
+        progress.check()?;
+        let mut roughing = self.roughing.tracks(&rough_tips, self.blank.corners(), self.blank.top(), progress);
         progress.check()?;
         roughing.iter_mut().flatten().for_each(|point| *point -= self.blank.zero());
         let air = self.in_the_air(&finishing);
-        let rough_tips = TipHeights::new(mesh, self.roughing.cutter.profile());
         let mut files = Vec::new();
         for part in Part::ALL {
             progress.check()?;
@@ -215,7 +216,8 @@ impl Shop {
             tolerance: TOLERANCE,
             flutes: None,
         };
-        let first = judged_text(body.as_bytes(), &against)?;
+        // What the heading tells of it; it is judged once it has its heading.
+        let first = against.measured(&read(body.as_bytes(), against.dialect)?);
         let text = sealed(self.dialect, &self.heading(part, (cutter, &pace), &first), &body);
         let judgement = judged_text(text.as_bytes(), &against)?;
         match judgement.troubles.first() {
@@ -230,7 +232,7 @@ impl Shop {
         let size = self.blank.size();
         let mut heading = vec![
             format!("facetmill {}: {} of {}", env!("CARGO_PKG_VERSION"), part.name(), self.name),
-            format!("Machine {}, control {}; one tool: {cutter}", machining.machine.name, self.dialect),
+            format!("Machine {}{CONTROL}{}; {TOOL}{cutter}", machining.machine.name, self.dialect),
             format!("Stock {} {:.3} x {:.3} x {:.3} mm", self.stock, size.x, size.y, size.z),
             format!("Zero: {}", self.blank.zero_in_words()),
             bounds_in_words(judgement),
@@ -263,10 +265,13 @@ impl Shop {
     fn about_finishing(&self, machining: &Machining) -> Vec<String> {
         let Machining { machine, passes, polish, .. } = machining;
         let way = if passes.zigzag { "to and fro" } else { "one way" };
-        vec![
+        let play = 1000.0 * machine.compensation_z;
+        let play =
+            (play > 0.0).then(|| format!("{PLAY}{play} µm of play in z, measured of this machine: not for another"));
+        let mut about = vec![
             format!(
-                "Passes {} mm apart at {:.1} deg, {way}; cusps {:.4} µm; chords within 0.05 µm; {} decimals: no sender may \
-                 cut them",
+                "Passes {} mm apart at {:.1} deg, {way}; cusps {:.4} µm; chords within 0.05 µm where segments as short as \
+                 the control takes allow it; {} decimals: no sender may cut them",
                 passes.stepover,
                 passes.angle.to_degrees(),
                 1000.0 * machining.cusp_height(),
@@ -278,7 +283,9 @@ impl Shop {
                 }
                 None => "Assumes no polish afterwards".to_owned(),
             },
-        ]
+        ];
+        about.extend(play);
+        about
     }
 }
 

@@ -15,6 +15,10 @@ const CHORD: f64 = 1e-5;
 /// Places of the cutter along a side of the optical area at which the surface is looked at.
 const PLACES: usize = 400;
 
+/// A pass no higher than this above the lowest place of its cutter is one that leaves the surface, mm: allowances of roughing
+/// are larger, errors of finishing smaller.
+const FINISHES: f64 = 0.02;
+
 /// Cusps that are evenly spread are three times as high as their mean; a third more is no mistake of the program.
 const EVEN_CUSPS: f64 = 4.0;
 
@@ -36,6 +40,8 @@ pub fn strokes(program: &Program, origin: DVec3) -> Vec<Stroke> {
 pub struct Left {
     /// Mean, mm: of a finished surface that of its cusps.
     pub mean: f64,
+    /// The least but for a hundredth of the places, mm: next to nothing where passes touch the surface.
+    pub least: f64,
     /// Most, mm; and there, as the program counts, mm, with the line that passed lowest.
     pub most: f64,
     /// That place.
@@ -100,6 +106,7 @@ impl Wanted<'_> {
             .collect();
         progress.check()?;
         let mut left = Left::default();
+        let mut heights = Vec::new();
         let (mut touched, mut missed) = (0.0, 0.0);
         for standing in rows.into_iter().flatten() {
             let Ok(Standing { by, place, line }) = standing else {
@@ -107,6 +114,7 @@ impl Wanted<'_> {
                 continue;
             };
             touched += 1.0;
+            heights.push(by);
             left.mean += by;
             left.deepest = left.deepest.max(-by);
             if by > left.most {
@@ -114,11 +122,14 @@ impl Wanted<'_> {
             }
         }
         left.mean /= f64::max(touched, 1.0);
+        heights.sort_unstable_by(f64::total_cmp);
+        left.least = heights.get(heights.len() / 100).copied().unwrap_or_default();
         left.untouched = missed / f64::max(touched + missed, 1.0);
         Ok(left)
     }
 
-    /// Cuts at whose own places the surface is left standing by more than `tolerance` mm and even cusps.
+    /// Cuts at whose own places the surface is left standing by more than `tolerance` mm, and places elsewhere that stand
+    /// higher than even cusps do.
     ///
     /// # Errors
     /// The work is abandoned.
@@ -129,7 +140,7 @@ impl Wanted<'_> {
         tolerance: f64,
         progress: &Progress,
     ) -> Result<Amiss, Cancelled> {
-        let most = tolerance + EVEN_CUSPS * left.mean.max(0.0);
+        let most = tolerance + EVEN_CUSPS * (left.mean - left.least).max(0.0);
         let cuts: Vec<Move> = program.moves().filter(|one| one.cuts() && one.is_known()).collect();
         let found: Vec<Option<(f64, DVec3)>> = cuts
             .par_iter()
@@ -138,9 +149,21 @@ impl Wanted<'_> {
                 if progress.is_abandoned() || one.from.truncate() == one.motion.to.truncate() {
                     return None;
                 }
-                let places = [0.5 * (one.from + one.motion.to), one.motion.to];
-                let at = |place: &DVec3| self.standing(swept, (*place - self.origin).truncate());
-                let standing = places.iter().filter_map(at).flatten().filter(|standing| standing.by > most);
+                let places = [one.from, 0.5 * (one.from + one.motion.to), one.motion.to];
+                let above = |place: DVec3| {
+                    let at = place - self.origin;
+                    at.z - self.tips.at(at.truncate())
+                };
+                // A pass that is to leave the surface touches it somewhere; one well above it only takes stock away.
+                let finishes = places.iter().any(|place| above(*place) < FINISHES);
+                let most = if finishes { tolerance } else { most };
+                let standing = places.iter().filter_map(|place| {
+                    if above(*place) <= tolerance {
+                        return None;
+                    }
+                    let standing = self.standing(swept, (*place - self.origin).truncate())?.ok()?;
+                    Some(standing).filter(|standing| standing.by > most)
+                });
                 standing.map(|standing| (standing.by, standing.place)).max_by(|a, b| a.0.total_cmp(&b.0))
             })
             .collect();

@@ -10,8 +10,7 @@ use super::program::{home, run_line};
 use super::{assert_done, assert_refused, json, names};
 
 /// A sheet of 12 × 8 mm that takes a moment.
-pub const PLATE: &str =
-    "design ring.png -o plate --grid 32 --cells 1 --size 12x8 --border 1 --for-cutter ball:1 --no-verify --quiet";
+pub const PLATE: &str = "design ring.png -o plate --grid 32 --cells 1 --size 12x8 --border 1 --for-cutter ball:1 --rays 20000 --no-verify --quiet";
 
 /// Machine and passes that take a moment.
 pub const PASSES: &str = "--machine vmc --stepover 0.2 --polish 0.1 --rough-cutter flat:2";
@@ -25,8 +24,10 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         assert!(outcome.told().contains("each was read back"), "{outcome:?}");
         let folder = home.path().join(dialect);
-        let expected = ["air-cut", "finishing", "roughing"].map(|stem| format!("{stem}.{end}"));
-        assert_eq!(names(&folder)[..3], expected);
+        let mut expected = ["air-cut", "finishing", "roughing"].map(|stem| format!("{stem}.{end}")).to_vec();
+        expected.extend(["comparison_made.png", "report.json", "setup.html"].map(str::to_owned));
+        expected.sort_unstable();
+        assert_eq!(names(&folder), expected);
         let report = json(folder.join("report.json"));
         // 12 × 8 mm and a rim of 1 mm around it.
         assert_eq!(report["stock_mm"][0].as_f64().unwrap().round(), 14.0);
@@ -49,6 +50,14 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
     for said in ["G64 P0.0005 Q0", "one tool: ball:1", "Assumes a polish of 100 um", "starting values"] {
         assert!(finishing.contains(said), "{said}");
     }
+    let sheet = fs::read_to_string(home.path().join("linuxcnc/setup.html")).unwrap();
+    for said in
+        ["<svg", "data:image/png;base64,", "finishing.ngc", "flat rim of 1 mm", "% of the light falls", "flat:2"]
+    {
+        assert!(sheet.contains(said), "{said}");
+    }
+    // One page by itself: nothing is fetched.
+    assert!(!sheet.contains("http") && !sheet.contains("<script"), "{sheet}");
     // The same bytes however many threads work, and nothing of other names is touched.
     let again = run_line(home.path(), &format!("mill plate {PASSES} --dialect linuxcnc -o again --threads 1 --quiet"));
     assert_done(&again);
@@ -77,4 +86,92 @@ fn what_makes_no_program_is_refused_in_a_sentence_and_leaves_nothing() {
     }
     let outcome = run_line(home.path(), "mill plate --machine vmc --cutter ball:1 -o plate --force");
     assert_refused(&outcome, 2, &["design's own folder"]);
+}
+
+/// The kinds of trouble that a check tells, each with its line.
+fn troubles(report: &serde_json::Value) -> Vec<(String, u64)> {
+    let list = report["read"]["troubles"].as_array().unwrap();
+    list.iter().map(|one| (one["kind"].as_str().unwrap().to_owned(), one["line"].as_u64().unwrap_or(0))).collect()
+}
+
+/// Line of `text` (from 1) and its content, of the first line of cutting that is about half-way.
+fn half_way(text: &str, is: impl Fn(&str) -> bool) -> (usize, String) {
+    let all: Vec<&str> = text.lines().collect();
+    let found = all.iter().enumerate().skip(all.len() / 2).find(|(_, line)| is(line)).unwrap();
+    (found.0 + 1, (*found.1).to_owned())
+}
+
+#[test]
+fn what_is_planted_in_a_program_is_found_with_its_line_and_the_program_as_written_can_be_run() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    assert_done(&run_line(home.path(), &format!("mill plate {PASSES} --dialect grbl -o shop --quiet")));
+    let check = |file: &str| {
+        let line = format!("mill --check {file} --against plate --polish 0.1 --margin 1 --json");
+        let outcome = run_line(home.path(), &line);
+        (outcome.code, serde_json::from_str::<serde_json::Value>(outcome.stdout.trim()).unwrap())
+    };
+    let (code, report) = check("shop/finishing.nc");
+    assert_eq!((code, troubles(&report)), (Some(0), vec![]), "{report}");
+    assert!(report["light"]["tv_incident"]["1"].as_f64().unwrap() < 0.5, "{report}");
+    let left = &report["surface"];
+    // Cusps of 0.2 mm with a ball of radius 0.5 are 10 µm high, a third of that on the mean.
+    assert!((2.0..4.5).contains(&left["left_mean_um"].as_f64().unwrap()), "{left}");
+    assert!(left["below_um"].as_f64().unwrap() < 0.2 && left["untouched"] == 0.0, "{left}");
+
+    let text = fs::read_to_string(home.path().join("shop/finishing.nc")).unwrap();
+    // The checksum stands in the first line: without it nothing but the moves themselves can tell.
+    let open = text.split_once('\n').unwrap().1.to_owned();
+    let (_, cut) = half_way(&open, |line| line.starts_with('X') && line.contains('Z') && !line.contains('F'));
+    let (_, retract) = half_way(&open, |line| line == "G0Z1");
+    let z = |line: &str, by: f64| {
+        let (x, z) = line.split_once('Z').unwrap();
+        format!("{x}Z{:.4}", z.parse::<f64>().unwrap() + by)
+    };
+    for (from, to, kind) in [
+        (&cut, z(&cut, -0.003), "gouge"),
+        (&cut, z(&cut, 0.05), "left-standing"),
+        (&cut, format!("X200{}", &cut[cut.find('Z').unwrap()..]), "out-of-stock"),
+        (&cut, z(&cut, -9.0), "below-floor"),
+        (&retract, "G0Z-0.3".into(), "rapid-in-material"),
+        (&cut, format!("{cut}E2"), "unread"),
+        (&cut, format!("{cut}F0"), "unread"),
+    ] {
+        let (line, _) = half_way(&open, |line| line == from);
+        let all = open.lines().enumerate().map(|(k, old)| if k + 1 == line { to.as_str() } else { old });
+        fs::write(home.path().join("changed.nc"), all.collect::<Vec<_>>().join("\n")).unwrap();
+        let (code, report) = check("changed.nc");
+        assert_eq!((code, &report["refused"]), (Some(1), &serde_json::Value::Bool(true)), "{kind}: {report}");
+        // What a rapid passes is told where it passes, in the next line.
+        let near = |found: &(String, u64)| found.0 == kind && found.1.abs_diff(line as u64) <= 1;
+        assert!(troubles(&report).iter().any(near), "{kind} in line {line}: {report}");
+        assert!(report["verdict"].as_str().unwrap().contains("should not be run"));
+    }
+    // With the checksum any digit tells, in a sentence that says so first.
+    fs::write(home.path().join("broken.nc"), text.replacen("G4 P4", "G4 P5", 1)).unwrap();
+    let told = run_line(home.path(), "mill --check broken.nc --against plate --quiet");
+    assert_refused(&told, 1, &["broken.nc", "checksum"]);
+    // No feed at all.
+    fs::write(home.path().join("still.nc"), "G21 G90 G0Z5\nX2Y2 S1000M3\nG1Z-0.1\nM2\n").unwrap();
+    let told = run_line(home.path(), "mill --check still.nc --against plate --quiet");
+    assert_refused(&told, 1, &["line 3", "no feed"]);
+}
+
+#[test]
+fn programs_that_are_none_and_plates_that_are_not_there_are_told() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    fs::write(home.path().join("binary.nc"), b"G21\nG1 X\x00\x01").unwrap();
+    fs::write(home.path().join("empty.nc"), b"(nothing)\n").unwrap();
+    for (line, code, parts) in [
+        ("mill --check binary.nc --against plate", 3, &["binary.nc", "line 2", "0x00"][..]),
+        ("mill --check empty.nc --against plate", 3, &["empty.nc", "no word"]),
+        ("mill --check none.nc --against plate", 3, &["none.nc", "no such file"]),
+        ("mill --check empty.nc", 2, &["--against"]),
+        ("mill --check empty.nc --against plate --zero 1,2", 2, &["--zero", "0,0,-1.5"]),
+        ("mill --check empty.nc --against plate --tolerance 0", 2, &["--tolerance is 0"]),
+        ("mill plate --machine vmc", 2, &["--output"]),
+    ] {
+        assert_refused(&run_line(home.path(), line), code, parts);
+    }
 }

@@ -6,6 +6,11 @@
 #[path = "../program/mod.rs"]
 mod program;
 
+#[path = "../shop/mod.rs"]
+mod shop;
+
+mod digits;
+
 use std::fs;
 use std::path::Path;
 

@@ -4,6 +4,8 @@
 mod moves;
 #[path = "../plates/mod.rs"]
 mod plates;
+#[path = "../shop/mod.rs"]
+mod shop;
 
 mod closed_forms;
 mod closed_solids;
@@ -18,3 +20,4 @@ mod mutants;
 mod recognition;
 mod sharpening;
 mod sheets;
+mod swept_programs;

@@ -10,10 +10,12 @@ use facetmill::gcode::dialect::Dialect;
 use facetmill::gcode::program::{Kind, Program};
 use facetmill::gcode::read::read;
 use facetmill::gcode::write::{Cutting, body, sealed};
-use glam::DVec3;
+use facetmill::milling::swept::{Stroke, Swept};
+use glam::{DVec2, DVec3};
 
 use crate::asking::{ask, skip};
 use crate::moves::going;
+use crate::shop::{finishing, shop, wavy};
 
 /// What the interpreter prints of positions, mm; it reckons in inches.
 const DIGITS: f64 = 2e-8;
@@ -91,5 +93,53 @@ fn what_is_written_is_read_by_linuxcnc_as_by_ourselves() {
         let mut name = String::new();
         write!(name, "{dialect}").unwrap();
         compare(&name, &read(text.as_bytes(), Some(dialect)).unwrap().program, &said);
+    }
+}
+
+/// A finishing program of ours: the interpreter accepts it, says the positions that we read, and along those positions a
+/// sweep that shares nothing with ours leaves the surface that was simulated.
+#[test]
+fn a_finishing_program_leaves_the_simulated_surface_by_linuxcnc_s_positions_and_a_sweep_of_others() {
+    let mesh = wavy();
+    let shop = shop(&mesh, 0.0, Dialect::LinuxCnc);
+    let (file, _, ways) = finishing(&shop, &mesh);
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("finishing.ngc"), &file.text).unwrap();
+    let said = match ask("moves_of_linuxcnc.py", &[at("finishing.ngc")]) {
+        Ok(said) => said,
+        Err(why) => return skip("LinuxCNC", &why),
+    };
+    compare("finishing", &read(file.text.as_bytes(), Some(Dialect::LinuxCnc)).unwrap().program, &said);
+    let accepted = std::process::Command::new("rs274").arg("-g").arg(at("finishing.ngc")).output();
+    match accepted {
+        Ok(run) => assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr)),
+        Err(why) => skip("rs274", &why.to_string()),
+    }
+    fs::write(at("moves"), &said).unwrap();
+    // Places over the plate that keep no step with passes, as the program counts.
+    let places: Vec<DVec2> = (0..400)
+        .map(|k| {
+            DVec2::new((f64::from(k) * 0.618_033_988_7).fract() * 6.0, (f64::from(k) * 0.754_877_666_2).fract() * 4.0)
+        })
+        .collect();
+    let listed: String = places.iter().map(|place| format!("{} {}\n", place.x, place.y)).collect();
+    fs::write(at("places"), listed).unwrap();
+    let arguments = [at("moves").into_os_string(), at("places").into_os_string(), "0.5".into()];
+    let theirs = match ask("sweep_in_python.py", &arguments) {
+        Ok(said) => said,
+        Err(why) => return skip("NumPy", &why),
+    };
+    // Of the passes before they became a program.
+    let machining = shop.finishing();
+    let tracks = ways.programs(&machining.machine, false);
+    let pairs = tracks.iter().flat_map(|track| track.windows(2));
+    let strokes: Vec<Stroke> = pairs.map(|pair| Stroke { from: pair[0], to: pair[1], line: 0 }).collect();
+    let simulated = Swept::new(&strokes, machining.cutter.profile());
+    let heights: Vec<f64> = theirs.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(heights.len(), places.len());
+    for (place, theirs) in places.iter().zip(heights) {
+        let ours = simulated.height(*place).unwrap() - shop.blank.top();
+        assert!((ours - theirs).abs() < 1e-4, "{place}: {ours} {theirs} mm");
     }
 }

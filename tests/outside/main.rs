@@ -5,6 +5,8 @@
 mod moves;
 #[path = "../plates/mod.rs"]
 mod plates;
+#[path = "../shop/mod.rs"]
+mod shop;
 
 mod asking;
 mod linuxcnc;

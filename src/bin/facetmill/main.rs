@@ -42,6 +42,10 @@ mod verify;
 
 mod mill_tables;
 
+mod drawn;
+
+mod program_check;
+
 mod mill;
 
 mod design;

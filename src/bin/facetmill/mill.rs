@@ -1,10 +1,19 @@
 //! `facetmill mill`: the programs by which a shop makes a plate.
 
+use std::path::Path;
+
 use facetmill::cutter::Cutter;
+use facetmill::export::pixels::encode_png;
 use facetmill::gcode::dialect::Dialect;
-use facetmill::job::exports;
-use facetmill::memory::Need;
+use facetmill::image::RgbImage;
+use facetmill::job::design::DesignError;
+use facetmill::job::findings::MadeProof;
+use facetmill::job::made::{Seen, prove_along};
+use facetmill::job::pictures::ProofPictures;
+use facetmill::job::{exports, in_a_sentence};
+use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::made::Machining;
+use facetmill::milling::passes::Ways;
 use facetmill::milling::roughing::Roughing;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::{BorderFinish, Recipe};
@@ -12,42 +21,50 @@ use facetmill::report::mill::MillReport;
 use facetmill::report::text;
 use facetmill::shop::blank::Blank;
 use facetmill::shop::feeds::Spindle;
-use facetmill::shop::programs::{Shop, ShopError, usual_roughing};
+use facetmill::shop::programs::{Shop, ShopError, ShopFile, usual_roughing};
+use facetmill::shop::sheet::Sheet;
+use facetmill::verify::measure::Mirrored;
 
 use crate::args::MillArgs;
 use crate::console::{Failure, Table, tell};
+use crate::drawn::Drawn;
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
 use crate::stages::Stages;
-use crate::{inputs, machining, mill_tables, plates};
+use crate::{drawn, inputs, machining, mill_tables, plates, program_check};
 
 /// Bytes of a program for each place of a pass, at the most: a segment each, of twenty letters, and its moves once read.
 const PLACE: f64 = 300.0;
 
+/// What roughing leaves standing, mm: more than a flat end's steps between two levels are off over a relief's slopes.
+const ALLOWANCE: f64 = 0.1;
+
 /// Does what `args` say.
 pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
-    inputs::given([Some(&args.plate), None])?;
-    let Named { stl, mut recipe, .. } = plates::named(&args.plate)?;
     within(args)?;
-    let how = args.machining();
-    args.settings.apply(&mut recipe);
-    machining::named(&how.by, &mut recipe)?;
-    if recipe.machining.machine.is_none() {
-        return Err(Failure::Usage(
-            "say with --machine which machine makes it, such as desktop-good or vmc; no recipe names one".into(),
-        ));
+    match (&args.check, &args.output) {
+        (Some(file), _) => program_check::run(args, file, run),
+        (None, Some(output)) => written(args, output, run),
+        // The command line asks for it.
+        (None, None) => Err(Failure::Usage("say with -o into which folder the programs go".into())),
     }
-    let machining = machining::of(&how, &recipe.machining.clone(), &recipe)?
-        .ok_or_else(|| Failure::Usage("--machine none makes nothing: name a machine".into()))?;
-    let read = inputs::given([Some(&args.plate), None])?;
-    plates::spare_design(&args.plate, &args.output)?;
-    let mut staged = Staged::new(&Place::new(&args.output, args.running.force, exports::MILL, &read), &run.gate)?;
+}
+
+/// Programs for the plate, into the folder `output`.
+fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
+    let plate = args.the_plate();
+    inputs::given([Some(plate), None])?;
+    let Named { stl, mut recipe, mount } = plates::named(plate)?;
+    let machining = asked(args, &mut recipe)?;
+    let read = inputs::given([Some(plate), None])?;
+    plates::spare_design(plate, output)?;
+    let mut staged = Staged::new(&Place::new(output, args.running.force, exports::MILL, &read), &run.gate)?;
     let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
+    let border = if plate.is_dir() { recipe.plate.border } else { 0.0 };
     let margin = args.margin.unwrap_or(border);
     let limit = args.running.memory();
     let nothing = Need::new(0.0, "the programs", "take a wider --stepover");
@@ -58,26 +75,140 @@ pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
     machining.check(plate).map_err(|error| Failure::Impossible(error.to_string()))?;
     let places = plate.x * plate.y / machining.passes.stepover / machining.machine.shortest_segment();
     limit.admit(Need::new(PLACE * places, "the programs", "take a wider --stepover"))?;
+    let drawn = drawn::of(args.the_plate(), &mut recipe, mount, limit)?;
+    let drawn = drawn.as_ref().map_err(String::as_str).and_then(|drawn| match args.no_verify {
+        true => Err(""),
+        false => Ok(drawn),
+    });
     progress.stage(Stage::Programs);
     let tips = machining.tips(&opened.mesh.at_optical_corner(margin));
     let ways = machining.ways_over(&tips, plate, &progress);
     progress.check()?;
     let files = shop.programs(&opened.mesh, &tips, &ways, &progress)?;
+    let mut advice = advice(&shop, &opened, &recipe, margin);
+    let made = match drawn {
+        Ok(drawn) => made(&machining, &ways, drawn, &recipe, (limit, &progress))?,
+        Err(why) => {
+            advice.extend(Some(why.to_owned()).filter(|why| !why.is_empty()));
+            None
+        }
+    };
     progress.stage(Stage::Files);
-    let report = MillReport::new(opened.facts.clone(), &shop, &files, advice(&shop, &opened, &recipe, margin));
-    for file in &files {
-        staged.write_bytes(file.name, file.text.as_bytes())?;
-    }
-    staged.write_bytes("report.json", text(&report).as_bytes())?;
+    let mut report = MillReport::new(opened.facts.clone(), &shop, &files, advice);
+    report.as_made = made.as_ref().map(MadeProof::facts);
+    report.light = made.as_ref().map(|made| in_a_sentence(&made.verdict, &made.how()));
+    let picture = match (&made, drawn) {
+        (Some(made), Ok(drawn)) => Some(picture(made, drawn, (&recipe, &shop), &progress)?),
+        _ => None,
+    };
+    write(&mut staged, (&shop, &files), &recipe, (&report, picture.as_ref()))?;
     staged.publish()?;
     stages.finish();
     tell(&args.running, &report, |report| Table {
         title: report.verdict.clone(),
-        rows: mill_tables::mill_in_short(&args.output, report),
+        rows: mill_tables::mill_in_short(output, report),
         more: mill_tables::mill(report),
-        notes: report.advice.clone(),
+        notes: report.light.iter().chain(&report.advice).cloned().collect(),
     })?;
     Ok(())
+}
+
+/// How the flags say that it is made, over what the recipe says.
+fn asked(args: &MillArgs, recipe: &mut Recipe) -> Result<Machining, Failure> {
+    let how = args.machining();
+    args.settings.apply(recipe);
+    machining::named(&how.by, recipe)?;
+    let none = || {
+        Failure::Usage(
+            "say with --machine which machine makes it, such as desktop-good or vmc; no recipe names one".into(),
+        )
+    };
+    if recipe.machining.machine.is_none() {
+        return Err(none());
+    }
+    let mut machining = machining::of(&how, &recipe.machining, recipe)?.ok_or_else(none)?;
+    if args.compensate {
+        machining.machine.compensation_z = machining.machine.backlash_z;
+    }
+    Ok(machining)
+}
+
+/// Every file of the folder.
+fn write(
+    staged: &mut Staged,
+    (shop, files): (&Shop, &[ShopFile]),
+    recipe: &Recipe,
+    (report, picture): (&MillReport, Option<&RgbImage>),
+) -> Result<(), Failure> {
+    for file in files {
+        staged.write_bytes(file.name, file.text.as_bytes())?;
+    }
+    if let Some(picture) = picture {
+        staged.write_png("comparison_made.png", picture)?;
+    }
+    staged.write_bytes("setup.html", sheet(shop, files, recipe, (report, picture)).page().as_bytes())?;
+    staged.write_bytes("report.json", text(report).as_bytes())?;
+    Ok(())
+}
+
+/// Light of the plate as its machine makes it along the finishing passes; none if none reaches the picture.
+fn made(
+    machining: &Machining,
+    ways: &Ways,
+    drawn: &Drawn,
+    recipe: &Recipe,
+    (limit, progress): (MemoryLimit, &Progress),
+) -> Result<Option<MadeProof>, Failure> {
+    let remedy = "take a wider --stepover or --polish, or leave the proof out with --no-verify";
+    limit.admit(Need::new(machining.bytes(ways.plate()), "the surface as made", remedy))?;
+    let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(&drawn.setup));
+    let mirrored = Mirrored { setup: &drawn.setup, metal: &metal, measuring: &measuring, progress };
+    let seen = Seen { target: &drawn.target, blur: blur.as_ref(), rim: None };
+    progress.stage(Stage::Milling);
+    match prove_along(machining, ways, seen, 1, mirrored) {
+        Ok(made) => Ok(Some(made)),
+        Err(DesignError::NoLight) => Ok(None),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// What was asked for beside what the machine makes.
+fn picture(
+    made: &MadeProof,
+    drawn: &Drawn,
+    (recipe, shop): (&Recipe, &Shop),
+    progress: &Progress,
+) -> Result<RgbImage, Failure> {
+    let proof = drawn.proof(&made.measurement, &made.verdict);
+    let footer = format!("{}: {}", shop.name, made.how());
+    Ok(ProofPictures::new(&proof, recipe, drawn.setup.view(), &footer, progress)?.comparison)
+}
+
+/// The page for whoever stands at the machine.
+fn sheet<'a>(
+    shop: &'a Shop,
+    files: &'a [ShopFile],
+    recipe: &Recipe,
+    (report, picture): (&'a MillReport, Option<&RgbImage>),
+) -> Sheet<'a> {
+    let margin = shop.blank.margin;
+    let rim = (margin > 0.0).then(|| match recipe.border_finish() {
+        BorderFinish::Matt => {
+            format!("a flat rim of {margin} mm, cut by roughing, to be left dull: blasted, sanded or blackened")
+        }
+        BorderFinish::Polished => format!("a flat rim of {margin} mm, cut by roughing, to be polished with the rest"),
+        BorderFinish::Sloped(_) => format!("a rim of {margin} mm that falls outward, to be filed and polished"),
+    });
+    let caption = "As drawn, as the machine makes it, and the difference: sharp above, through a blur of 1° below";
+    let picture = picture.and_then(|picture| Some((caption.to_owned(), encode_png(picture).ok()?)));
+    Sheet {
+        shop,
+        files,
+        rim,
+        verdict: report.light.clone(),
+        pictures: picture.into_iter().collect(),
+        advice: &report.advice,
+    }
 }
 
 /// Refuses numbers that no shop means.
@@ -86,7 +217,9 @@ fn within(args: &MillArgs) -> Result<(), Failure> {
         ("spindle", Some(args.spindle), [100.0, 500_000.0]),
         ("teeth", Some(args.teeth), [1.0, 20.0]),
         ("stock-over", Some(args.stock_over), [0.0, 20.0]),
-        ("allowance", Some(args.allowance), [0.01, 5.0]),
+        ("allowance", args.allowance, [0.01, 5.0]),
+        ("tolerance", Some(args.tolerance), [0.1, 1000.0]),
+        ("flutes", args.flutes, [0.01, 1000.0]),
         ("rough-step", args.rough_step, [0.01, 50.0]),
         ("rough-stepover", args.rough_stepover, [0.01, 50.0]),
     ];
@@ -113,7 +246,7 @@ fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> 
              {side:.3} mm"
         )));
     }
-    let usual = usual_roughing(cutter, args.allowance);
+    let usual = usual_roughing(cutter, args.allowance.unwrap_or(ALLOWANCE));
     let roughing = Roughing {
         step: args.rough_step.unwrap_or(usual.step),
         stepover: args.rough_stepover.unwrap_or(usual.stepover),
@@ -133,7 +266,7 @@ fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> 
         spindle: Spindle { fastest: args.spindle, teeth: args.teeth },
         blank,
         roughing,
-        name: plates::name(&args.plate),
+        name: plates::name(args.the_plate()),
     })
 }
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use facetmill::report::mill::{MillReport, ProgramFacts};
+use facetmill::report::mill::{CheckReport, MillReport, ProgramFacts, ReadFacts};
 use facetmill::shop::programs::duration;
 
-use crate::tables::{Row, row, shown, told};
+use crate::tables::{Row, light, row, scores, shown, told};
 
 /// Programs that were written into `folder`, in a few lines.
 pub fn mill_in_short(folder: &Path, report: &MillReport) -> Vec<Row> {
@@ -45,5 +45,44 @@ pub fn mill(report: &MillReport) -> Vec<Row> {
             rows.push(row(name, "bounds", format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2))));
         }
     }
+    rows
+}
+
+/// Findings that are told without --verbose.
+const FINDINGS: usize = 10;
+
+/// A program that was judged, in a few lines: its findings, its surface, its light.
+pub fn check_in_short(report: &CheckReport) -> Vec<Row> {
+    let CheckReport { read, surface, .. } = report;
+    let mut rows: Vec<Row> =
+        read.troubles.iter().take(FINDINGS).map(|trouble| told(trouble.kind, trouble.sentence.clone())).collect();
+    if let Some(surface) = surface {
+        let (mean, most, line) = (surface.left_mean_um, surface.left_most_um, surface.left_most_line);
+        rows.push(told(
+            "surface",
+            format!("{mean:.2} µm left standing on the mean, {most:.2} µm at the most (line {line})"),
+        ));
+    }
+    rows.extend(report.light.as_ref().map(light));
+    rows.push(told(
+        "time",
+        format!("{} on {}, {} lines", duration(3600.0 * read.hours), report.machine.name, read.lines),
+    ));
+    rows
+}
+
+/// All figures of a program that was judged.
+pub fn check(report: &CheckReport) -> Vec<Row> {
+    let ReadFacts { troubles, lines_per_second, cut_mm, bounds_mm, .. } = &report.read;
+    let mut rows: Vec<Row> =
+        troubles.iter().skip(FINDINGS).map(|trouble| told(trouble.kind, trouble.sentence.clone())).collect();
+    rows.push(row("cutter", report.cutter.to_string(), report.dialect.clone().unwrap_or_default()));
+    rows.push(row("lines", format!("{lines_per_second:.0}"), "a second at the most"));
+    rows.push(row("cuts", format!("{:.1} m", 1e-3 * cut_mm), "long in all"));
+    if let Some([low, high]) = bounds_mm {
+        let axis = |k: usize| format!("{:.3} to {:.3}", low[k], high[k]);
+        rows.push(row("bounds", "", format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2))));
+    }
+    rows.extend(report.light.iter().flat_map(scores));
     rows
 }

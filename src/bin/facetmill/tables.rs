@@ -78,7 +78,7 @@ fn file(folder: &Path, report: &DesignReport) -> String {
 }
 
 /// How near the light is to the drawing.
-fn light(scores: &Scores) -> Row {
+pub fn light(scores: &Scores) -> Row {
     let sharp = BLURS[0].to_string();
     let at = |figures: &Named, blur: &str| figures.get(blur).unwrap_or(f64::NAN);
     let main = MAIN_BLUR.to_string();
@@ -364,7 +364,7 @@ fn made(made: &MadeFacts) -> Vec<Row> {
 }
 
 /// The figures of a highlight against its drawing.
-fn scores(scores: &Scores) -> Vec<Row> {
+pub fn scores(scores: &Scores) -> Vec<Row> {
     let error = 100.0 * Scores::main(&scores.error.tv_incident);
     let likeness = format!("{:.3}", Scores::main(&scores.ssim));
     vec![

@@ -44,6 +44,15 @@ pub fn angles(text: &str) -> Result<[f64; 2], String> {
     pair(text, ',', number)
 }
 
+/// `0,0,-1.5`: a place.
+pub fn place(text: &str) -> Result<[f64; 3], String> {
+    let numbers = text.split(',').map(number).collect::<Result<Vec<f64>, String>>();
+    match numbers.map(<[f64; 3]>::try_from) {
+        Ok(Ok(place)) => Ok(place),
+        _ => Err("write three numbers with commas between them, such as 0,0,-1.5".into()),
+    }
+}
+
 /// `0.02` or `0.02@0.5`, also `2%`: a share and a blur in degrees.
 pub fn limit(text: &str) -> Result<Limit, String> {
     let (share, blur) = text.split_once('@').map_or((text, None), |(share, blur)| (share, Some(blur)));

@@ -35,8 +35,8 @@ First steps:
   facetmill design --help               the flags that most people need
   facetmill design --help-all           every flag, in millimetres and degrees, by groups
 
-Exit codes: 0 done, 1 worse than --at-most, 2 wrong usage, 3 input cannot be read or makes no sense, 4 cannot be made as asked,
-5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
+Exit codes: 0 done, 1 worse than --at-most or a program that should not be run, 2 wrong usage, 3 input cannot be read or
+makes no sense, 4 cannot be made as asked, 5 output cannot be written, 130 stopped by Ctrl-C. After an error nothing is left behind but --snapshots.")]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
