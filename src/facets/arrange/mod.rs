@@ -2,6 +2,10 @@
 
 pub mod assignment;
 
+mod split;
+
+mod unwind;
+
 pub mod transport;
 
 mod annealing_grid;
