@@ -35,6 +35,11 @@ impl Setup {
         Self { lamp, view, mount: DMat3::IDENTITY }
     }
 
+    /// Light as in [`new`](Self::new), a point, watched over `view`, wherever the flat plate would mirror it.
+    pub fn watched(theta: f64, phi: f64, view: View) -> Self {
+        Self { lamp: DistantLamp::round(direction(theta, phi), 0.0), view, mount: DMat3::IDENTITY }
+    }
+
     /// The far scene that `scene` is to the plate's middle: its lamp and its picture, as they are seen from there. `None`
     /// if the picture is seen from the side.
     pub fn from_middle(scene: &Scene) -> Option<Self> {

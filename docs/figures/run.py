@@ -277,6 +277,42 @@ def programs():
         row(f"left standing {judged['surface']['left_mean_um']:.3f} um", f"TV(1) {tv(judged['light']):.4f}")
 
 
+# Goals of every kind that has no file of its own; steel is Bagher, Soler and Holzschuch's fit of black oxidised steel.
+GOALS = ["ward:0.1,0.3", "blinn-phong:40", "ggx:0.2", "shifted-gamma:0.195704,0.706913", "ndf:star"]
+OTHER_GOALS = ["phong:20", "gaussian:0.2", "beckmann:0.2", "cook-torrance:0.2", "ward-bounded:0.1,0.3",
+               "ashikhmin-shirley:100,20", "lafortune:-0.9,-0.9,1,20"]  # fmt: skip
+
+
+def goal_rows(specs):
+    star = ROOT / "examples/highlights/star.png"
+    for spec in specs:
+        with tempfile.TemporaryDirectory() as folder:
+            asked = f"ndf:{star},30" if spec == "ndf:star" else spec
+            words = [PROGRAM, "design", "--goal", asked, "-o", f"{folder}/plate", "--json"]
+            run = subprocess.run(words, capture_output=True, text=True)
+            if run.returncode:
+                sys.exit(f"{' '.join(words)}\n{run.stderr}")
+            said = json.loads(run.stdout)
+        field = said["recipe"]["highlight"]["half-field"]
+        row(spec, f"{field}°", f"TV(1°) {said['designed']['tv']['1']:.4f}")
+        for slice in said["goal"]["slices"]:
+            row("", f"{slice['theta']:.0f}°, {slice['phi']:.0f}°", f"{slice['tv_1deg']['value']:.4f}",
+                f"{slice['mirrors_cannot']:.4f}", f"{slice['rest']['value']:.4f}",
+                f"{slice['albedo_goal']:.3f}", f"{slice['albedo_plate']:.3f}")  # fmt: skip
+
+
+@group
+def goals():
+    """Goals: the design's own slice, then lamp, misplaced, by what mirrors cannot follow, by the rest, albedos."""
+    goal_rows(GOALS)
+
+
+@group
+def other_goals():
+    """The same of the models that are left."""
+    goal_rows(OTHER_GOALS)
+
+
 def main(names):
     if names == ["--list"]:
         for name, function in GROUPS.items():

@@ -2,8 +2,10 @@
 
 use std::io::{self, Write};
 
-use crate::slope::mirror;
-use crate::verify::goniometer::table::BrdfTable;
+use thiserror::Error;
+
+use crate::slope::{direction, mirror};
+use crate::verify::goniometer::table::{BrdfAxes, BrdfTable, TableError};
 
 /// Writes one line for each incident direction and each cell that light can leave through: the angles of light and
 /// viewer in degrees (azimuths from -180 to 180, the viewer at the middle of the cell), the mean BRDF of the cell and
@@ -54,11 +56,86 @@ pub fn write_brdf_csv(table: &BrdfTable, out: &mut impl Write) -> io::Result<()>
     Ok(())
 }
 
+/// Reads what [`write_brdf_csv`] wrote: the grid from its comments, the cells from its lines; a cell without a line is dark.
+///
+/// # Errors
+/// Text of another kind, numbers that are none, or directions that are not of the grid.
+pub fn read_brdf_csv(text: &str) -> Result<BrdfTable, BrdfCsvError> {
+    let counts: Vec<usize> = text
+        .lines()
+        .find(|line| line.starts_with('#') && line.contains("polar angles x"))
+        .map(|line| line.split(' ').filter_map(|word| word.parse().ok()).collect())
+        .unwrap_or_default();
+    let &[polar, azimuths, columns, rows] = counts.as_slice() else { return Err(BrdfCsvError::NoGrid) };
+    let mut lines = Vec::new();
+    let numbered = text.lines().enumerate().filter(|(_, line)| !line.starts_with('#') && !line.trim().is_empty());
+    for (k, line) in numbered.skip(1) {
+        let numbers: Option<Vec<f64>> = line.split(',').map(|n| n.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[a, b, c, d, value, error]) if value >= 0.0 && error >= 0.0 && value.is_finite() => {
+                lines.push([a.to_radians(), b.to_radians(), c.to_radians(), d.to_radians(), value, error]);
+            }
+            _ => return Err(BrdfCsvError::Line(k + 1)),
+        }
+    }
+    let mut theta_i: Vec<f64> = lines.iter().map(|line| line[0]).collect();
+    theta_i.sort_by(f64::total_cmp);
+    theta_i.dedup();
+    if theta_i.len() != polar {
+        return Err(BrdfCsvError::Directions { told: polar, found: theta_i.len() });
+    }
+    let axes = match azimuths {
+        1 => BrdfAxes::isotropic(theta_i.clone(), columns, rows)?,
+        _ => BrdfAxes::anisotropic(theta_i.clone(), azimuths, columns, rows)?,
+    };
+    let cells = axes.cells();
+    let (mut share, mut error) = (vec![0.0; axes.slices() * cells], vec![0.0; axes.slices() * cells]);
+    let mut table = BrdfTable::new(axes);
+    for [theta, phi, theta_o, phi_o, value, spread] in lines {
+        let row = theta_i.partition_point(|own| *own < theta);
+        let step = std::f64::consts::TAU / azimuths as f64;
+        let turn = if azimuths == 1 { 0 } else { ((phi + std::f64::consts::PI) / step).round() as usize % azimuths };
+        let slice = row + polar * turn;
+        let Some(cell) = table.axes().cell(slice, direction(theta_o, phi_o)) else { continue };
+        let projected = f64::from(table.slice_projected(slice)[cell]);
+        share[slice * cells + cell] = value * projected;
+        error[slice * cells + cell] = spread * projected;
+    }
+    for slice in 0..table.axes().slices() {
+        let of_slice = slice * cells..(slice + 1) * cells;
+        table.set_flux(slice, &share[of_slice.clone()], &error[of_slice])?;
+    }
+    Ok(table)
+}
+
+/// Why a text is no BRDF of the program's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BrdfCsvError {
+    /// Its grid is not told.
+    #[error(
+        "this is no brdf.csv: the line that tells its grid is missing; name one that facetmill measure --brdf wrote"
+    )]
+    NoGrid,
+    /// A line that is none.
+    #[error("line {0} is not of angles, BRDF and error; measure the plate again")]
+    Line(usize),
+    /// Some incident directions are missing.
+    #[error("{found} polar angles of incidence are there, and {told} were measured; measure the plate again")]
+    Directions {
+        /// By its head.
+        told: usize,
+        /// In its lines.
+        found: usize,
+    },
+    /// A grid that cannot be.
+    #[error(transparent)]
+    Table(#[from] TableError),
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::slope::direction;
-    use crate::verify::goniometer::table::BrdfAxes;
 
     #[test]
     fn every_line_says_what_the_brdf_is_there() {
@@ -67,6 +144,12 @@ mod tests {
         let mut text = Vec::new();
         write_brdf_csv(&BrdfTable::from_fn(axes, f), &mut text).unwrap();
         let text = String::from_utf8(text).unwrap();
+        let back = read_brdf_csv(&text).unwrap();
+        for (wi, wo) in [(direction(0.3, 1.0), direction(0.6, -2.0)), (direction(0.9, -1.0), direction(0.2, 0.4))] {
+            assert!((back.at(wi, wo) - f(wi, wo)).abs() < 0.01, "{}", back.at(wi, wo));
+        }
+        assert_eq!(read_brdf_csv("a,b\n1,2").unwrap_err(), BrdfCsvError::NoGrid);
+        assert!(matches!(read_brdf_csv(&text.replacen("0.0000,", "x,", 1)), Err(BrdfCsvError::Line(_))));
         let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
         assert_eq!(lines[0], "theta_i,phi_i,theta_o,phi_o,brdf,error");
         assert!(lines.len() > 12 * 400 && lines.len() < 12 * 1600);

@@ -40,6 +40,11 @@ mod tensor;
 
 mod warp;
 
+mod read;
+
+pub use self::read::{BsdfReadError, read_bsdf};
+pub use self::tensor::TensorError;
+
 #[cfg(test)]
 mod tests;
 

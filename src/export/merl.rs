@@ -106,6 +106,13 @@ impl Merl {
         self.channels[channel.min(2)][index]
     }
 
+    /// Share of cells that hold no value in one of the channels or more.
+    pub fn invalid_share(&self) -> f64 {
+        let [red, green, blue] = &self.channels;
+        let invalid = red.iter().zip(green).zip(blue).filter(|((r, g), b)| r.is_nan() || g.is_nan() || b.is_nan());
+        invalid.count() as f64 / CELLS as f64
+    }
+
     /// Writes the `.binary` file.
     pub fn write(&self, out: &mut impl Write) -> Result<(), MerlError> {
         for count in [HALF, DIFFERENCE, AROUND] {

@@ -21,13 +21,15 @@ const CURVES: [Rgb<u8>; 7] = [
     Rgb([60, 160, 200]),
     Rgb([90, 90, 90]),
 ];
+/// Of dashes, over the curve that they are compared with.
+const DASHED: Rgb<u8> = Rgb([20, 20, 20]);
 /// The diagram is drawn at one size only: its unit is the pixel.
 const UNIT: Unit = Unit(1.0);
 /// Radius of the diagram, and its centre on the page, pixels.
 const RADIUS: f64 = 400.0;
 const CENTRE: DVec2 = DVec2::new(500.0, 560.0);
 /// Steps of a curve over 180°: a lobe of 0.2° is still drawn as one.
-const STEPS: usize = 3600;
+pub const STEPS: usize = 3600;
 /// Decades that a logarithmic scale spans.
 const DECADES: f64 = 4.0;
 
@@ -41,19 +43,46 @@ pub enum RadialScale {
     Logarithmic,
 }
 
+/// A slice to be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolarCurve {
+    /// Polar angle of the light, radians.
+    pub theta: f64,
+    /// Values over the viewer's angle from -90° to 90° in [`STEPS`] steps, 1/sr.
+    pub values: Vec<f64>,
+    /// Dashed and thinner: what another curve is to be compared with.
+    pub dashed: bool,
+}
+
 /// Draws slices for light from the polar angles `theta_i` (radians, seven at most are drawn) and the azimuth `phi`.
 ///
 /// Light comes from the right half of the plane of incidence; viewers on the other side of the normal, where mirrors
 /// send it, are on the left. The small mark at the rim, in the curve's colour, is the light.
 pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialScale, heading: &str) -> RgbImage {
-    let mut page = Page::new(1000, 720);
-    let shown = &theta_i[..theta_i.len().min(CURVES.len())];
     let angle = |k: usize| (k as f64 / STEPS as f64 - 0.5) * PI;
-    let curves: Vec<Vec<f64>> = shown
-        .iter()
-        .map(|&theta| (0..=STEPS).map(|k| table.at(direction(theta, phi), direction(angle(k), phi))).collect())
-        .collect();
-    let greatest = curves.iter().flatten().copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let curve = |&theta: &f64| {
+        let values = (0..=STEPS).map(|k| table.at(direction(theta, phi), direction(angle(k), phi))).collect();
+        PolarCurve { theta, values, dashed: false }
+    };
+    let curves: Vec<PolarCurve> = theta_i.iter().take(CURVES.len()).map(curve).collect();
+    drawn(&curves, phi, scale, heading)
+}
+
+/// Draws slices for light from the azimuth `phi` on a logarithmic scale, those of one polar angle in one colour.
+pub fn polar_diagram(curves: &[PolarCurve], phi: f64, heading: &str) -> RgbImage {
+    drawn(curves, phi, RadialScale::Logarithmic, heading)
+}
+
+fn drawn(curves: &[PolarCurve], phi: f64, scale: RadialScale, heading: &str) -> RgbImage {
+    let mut page = Page::new(1000, 720);
+    let angle = |k: usize| (k as f64 / STEPS as f64 - 0.5) * PI;
+    let mut shown: Vec<f64> = Vec::new();
+    for curve in curves.iter().filter(|curve| !curve.dashed) {
+        if !shown.contains(&curve.theta) && shown.len() < CURVES.len() {
+            shown.push(curve.theta);
+        }
+    }
+    let greatest = curves.iter().flat_map(|curve| &curve.values).copied().filter(|v| v.is_finite()).fold(0.0, f64::max);
     let rim = rim(greatest, scale);
     let place = |value: f64, angle: f64| {
         let share = match scale {
@@ -64,20 +93,20 @@ pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialS
         CENTRE + RADIUS * share.clamp(0.0, 1.0) * DVec2::new(angle.sin(), -angle.cos())
     };
     grid(&mut page, rim, scale);
-    for ((curve, colour), theta) in curves.iter().zip(CURVES).zip(shown) {
-        let points: Vec<DVec2> = curve.iter().enumerate().map(|(k, value)| place(*value, angle(k))).collect();
-        page.stroke(&points, 2.4, colour);
-        let toward = DVec2::new(theta.sin(), -theta.cos());
+    for curve in curves {
+        let Some(colour) = shown.iter().position(|theta| *theta == curve.theta).map(|k| CURVES[k]) else { continue };
+        let points: Vec<DVec2> = curve.values.iter().enumerate().map(|(k, value)| place(*value, angle(k))).collect();
+        if curve.dashed {
+            // A degree each, every other one.
+            points.chunks(STEPS / 90).for_each(|dash| page.stroke(&dash[..dash.len().div_ceil(2)], 1.6, DASHED));
+        } else {
+            page.stroke(&points, 2.4, colour);
+        }
+        let toward = DVec2::new(curve.theta.sin(), -curve.theta.cos());
         page.stroke(&[CENTRE + (RADIUS - 8.0) * toward, CENTRE + (RADIUS + 8.0) * toward], 5.0, colour);
     }
     page.write_fitted(heading, (40.0, 46.0), UNIT.left(26.0, TEXT), 920.0);
-    let mut x = 40.0;
-    for (theta, colour) in shown.iter().zip(CURVES) {
-        let label = format!("θi {}°", number((10.0 * theta.to_degrees()).round() / 10.0));
-        page.stroke(&[DVec2::new(x, 79.0), DVec2::new(x + 26.0, 79.0)], 4.0, colour);
-        page.write(&label, (x as f32 + 34.0, 85.0), UNIT.style(18.0, TEXT, Align::Left));
-        x += 60.0 + f64::from(lettering::width(&label, 18.0));
-    }
+    legend(&mut page, &shown);
     let scale = match scale {
         RadialScale::Linear => "linear".to_owned(),
         RadialScale::Logarithmic => format!("logarithmic, {DECADES} decades"),
@@ -88,6 +117,17 @@ pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialS
     page.write_fitted(&note, (40.0, 676.0), UNIT.left(18.0, NOTE), 920.0);
     page.write_fitted("The light comes from the bold mark of each colour", (40.0, 702.0), UNIT.left(18.0, NOTE), 920.0);
     page.image
+}
+
+/// The colours and their angles.
+fn legend(page: &mut Page, shown: &[f64]) {
+    let mut x = 40.0;
+    for (theta, colour) in shown.iter().zip(CURVES) {
+        let label = format!("θi {}°", number((10.0 * theta.to_degrees()).round() / 10.0));
+        page.stroke(&[DVec2::new(x, 79.0), DVec2::new(x + 26.0, 79.0)], 4.0, colour);
+        page.write(&label, (x as f32 + 34.0, 85.0), UNIT.style(18.0, TEXT, Align::Left));
+        x += 60.0 + f64::from(lettering::width(&label, 18.0));
+    }
 }
 
 /// The value at the rim: the smallest of 1, 2, 4, 5 × 10^k not below the greatest value, or its power of ten.

@@ -5,7 +5,9 @@ use super::design::Design;
 use super::findings::{RimProof, WallProof};
 use super::sentences::{WORTH_TELLING, finer_than_the_blur, stray_sentence};
 use crate::distribution::SlopeDistribution;
+use crate::goal::spec::GoalPart;
 use crate::recipe::{BorderFinish, Recipe, SurfaceKind};
+use crate::report::goal::GoalFacts;
 use crate::sharpen::SCORED_AT;
 use crate::verify::verdict::Verdict;
 
@@ -170,4 +172,16 @@ pub(super) fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &F
     let remedies: Vec<&str> = early.into_iter().chain(recipe.remedies()).collect();
     let first = if remedies.is_empty() { String::new() } else { format!("{}, or ", remedies.join(", ")) };
     format!("Flat facets would do better, since {figures}: {first}take --surface flat.")
+}
+
+/// What mirrors leave out of a goal, if it is worth telling.
+pub(super) fn about_base(goal: &GoalFacts) -> Option<String> {
+    let share = 100.0 * goal.left_out;
+    (goal.part == GoalPart::Specular && share > 0.1).then(|| {
+        format!(
+            "Mirrors cannot scatter evenly: {share:.1} % of what the goal reflects (an albedo of {:.3}) is its even base and \
+             is left out. A matt varnish or --goal-part all, which spreads that light over the field, would be nearer.",
+            goal.albedo
+        )
+    })
 }

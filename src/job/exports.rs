@@ -6,6 +6,7 @@
 use std::cell::OnceCell;
 use std::io::{self, Write};
 
+use super::goal::GoalProof;
 use super::pictures::{ProofPictures, target_picture};
 use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
@@ -45,6 +46,8 @@ pub enum When {
     Proved,
     /// If light was sent over the plate as a cutter or polish leaves it.
     Milled,
+    /// If light was sent over the plate of a goal.
+    Goal,
     /// If light was sent over the plate as a machine makes it.
     Made,
     /// If the surface that a machine and polish leave was asked for.
@@ -88,6 +91,11 @@ pub const DESIGN: &[Export] = &[
     },
     Export { name: "as-made.stl", when: When::Surface, write: |from, out| from.surface(out) },
     Export {
+        name: "goal.png",
+        when: When::Goal,
+        write: |from, out| from.product.goal.as_ref().map_or(Ok(()), |goal| png(&goal.picture(), out)),
+    },
+    Export {
         name: "recipe.toml",
         when: When::Always,
         write: |from, out| out.write_all(from.product.recipe.to_toml().as_bytes()),
@@ -109,6 +117,9 @@ pub const VERIFY: &[&str] = &[
     "as-made.stl",
     "report.json",
 ];
+
+/// Every file that a fit may write.
+pub const FIT: &[&str] = &["fit.png", "fit_2.png", "fit_3.png", "report.json"];
 
 /// Every file that any measurement may write.
 pub const MEASURE: &[&str] = &[
@@ -218,6 +229,7 @@ impl<'a> Source<'a> {
             When::Always => true,
             When::Proved => proved,
             When::Milled => milled,
+            When::Goal => self.product.goal.as_ref().is_some_and(GoalProof::is_traced),
             When::Made => made.is_some(),
             When::Surface => surface,
         })
@@ -308,7 +320,9 @@ mod tests {
         for name in &names {
             assert!(table.contains(&format!("`{name}`")), "README's table of files lacks {name}");
         }
-        // The example has a cutter and is proved: it writes all there is.
+        // The example has a cutter and is proved: it writes all there is but what only a goal has.
+        let of_goal = |name: &&str| DESIGN.iter().any(|export| export.name == *name && export.when == When::Goal);
+        names.retain(|name| !of_goal(name));
         names.sort_unstable();
         expected.sort_unstable();
         assert_eq!(names, expected, "the files that .ci/run looks for in its example");

@@ -36,6 +36,8 @@ mod wall_pictures;
 
 pub mod pictures;
 
+pub mod goal;
+
 mod product;
 
 mod lighter;
@@ -125,14 +127,14 @@ impl Job<'_> {
         let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
         let recipe = self.recipe.clone();
         if !self.proved {
-            return Ok(Product { recipe, design: made, proof: None, comparison: None });
+            return Ok(Product { recipe, design: made, proof: None, comparison: None, goal: None });
         }
         let mut proof = prove(&recipe, light, &made, progress)?;
         let comparison = beside_facets(&recipe, light, &made, &proof, progress)?;
         let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
         if !facets_win {
             proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
-            return Ok(Product { recipe, design: made, proof: Some(proof), comparison });
+            return Ok(Product { recipe, design: made, proof: Some(proof), comparison, goal: None });
         }
         progress.stage(Stage::Facets);
         let recipe = of_facets(&recipe);
@@ -141,6 +143,6 @@ impl Job<'_> {
         let made = facets;
         let mut proof = prove(&recipe, light, &made, progress)?;
         proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
-        Ok(Product { recipe, design: made, proof: Some(proof), comparison })
+        Ok(Product { recipe, design: made, proof: Some(proof), comparison, goal: None })
     }
 }

@@ -5,9 +5,12 @@ use std::io::{self, Write};
 use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 
 use super::compare::FacetComparison;
-use super::design::Design;
+use super::design::{Design, DesignError};
 use super::findings::Proof;
+use super::goal::{GoalProof, prove_goal};
 use crate::export::pixels::encode_png;
+use crate::goal::Goal;
+use crate::progress::Progress;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::report::design::made_of;
 
@@ -25,9 +28,23 @@ pub struct Product {
     pub proof: Option<Proof>,
     /// The sheet beside the facets of the same recipe, where both are possible.
     pub comparison: Option<FacetComparison>,
+    /// Its goal, if it was asked for in place of a picture.
+    pub goal: Option<GoalProof>,
 }
 
 impl Product {
+    /// Keeps `goal`, and if light was sent over the plate, proves it over lamps from 0° to 60°; see [`prove_goal`].
+    ///
+    /// # Errors
+    /// The plate cannot be traced, no light meets it, or it is cancelled.
+    pub fn prove_goal(&mut self, goal: &Goal, progress: &Progress) -> Result<(), DesignError> {
+        self.goal = Some(match self.proof {
+            Some(_) => prove_goal(&self.recipe, &self.design, goal, progress)?,
+            None => GoalProof::untraced(goal),
+        });
+        Ok(())
+    }
+
     /// What the relief is made of, in words.
     pub fn made_of(&self) -> String {
         made_of(&self.recipe, self.design.sheet.as_ref().map(|sheet| sheet.relief.cells))

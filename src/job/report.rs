@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
+use super::advice::{about_base, about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::findings::{MadeProof, MilledProof, Proof, SheetProof};
@@ -43,6 +43,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     said.extend(proof.as_ref().and_then(|proof| about_rim(recipe, proof.rim.as_ref()?)));
     said.extend(proof.as_ref().and_then(|proof| lamp_in_the_beam(proof.wall.as_ref()?)));
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
+    said.extend(product.goal.as_ref().and_then(|goal| about_base(&goal.facts)));
     DesignReport {
         program: PROGRAM,
         picture: PictureFacts::new(picture, recipe.picture_path().map(|path| path.to_string_lossy().into_owned())),
@@ -67,6 +68,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
         windows_tv_1deg: sheet_proof.map(windows),
         diffraction: sheet_proof.map(diffraction),
         as_milled: milled.map(as_milled),
+        goal: product.goal.as_ref().map(|goal| goal.facts.clone()),
         as_made: proof.as_ref().and_then(|proof| proof.made.as_ref()).map(MadeProof::facts),
         beside_facets: comparison.as_ref().map(beside_facets),
         verdict: proof.as_ref().map(|proof| one_sentence(recipe, proof)),

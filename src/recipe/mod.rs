@@ -35,6 +35,7 @@ pub use sections::{
 
 use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::{Annealing, Energy};
+use crate::goal::spec::{GoalPart, GoalSpec};
 
 /// All that a design depends on. The same recipe gives the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,6 +47,12 @@ pub struct Recipe {
     /// The picture's name where it is not Unicode: its bytes, two hexadecimal digits each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub picture_bytes: Option<String>,
+    /// Reflectance in place of a picture: a model by name, or a file of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal: Option<GoalSpec>,
+    /// Which part of that is wanted.
+    #[serde(skip_serializing_if = "is_specular")]
+    pub goal_part: GoalPart,
     /// How the picture is read, and what it means.
     pub highlight: HighlightSettings,
     /// The lamp.
@@ -81,6 +88,10 @@ impl Recipe {
 
 fn is_unmade(machining: &MachiningSettings) -> bool {
     *machining == MachiningSettings::default()
+}
+
+fn is_specular(part: &GoalPart) -> bool {
+    *part == GoalPart::default()
 }
 
 fn is_far(scene: &SceneSettings) -> bool {

@@ -6,9 +6,11 @@ use super::settings::SETTINGS;
 use super::{Recipe, RecipeError};
 
 /// What stands at keys that are no setting of their own.
-const OTHER_KEYS: [(&str, &str); 9] = [
+const OTHER_KEYS: [(&str, &str); 11] = [
     ("picture", "looked for beside this file, then in the working folder"),
     ("picture-bytes", "the picture's name, which is not Unicode, as hexadecimal bytes"),
+    ("goal", "reflectance in place of a picture; a file is looked for beside this one, then in the working folder"),
+    ("goal-part", "specular, without what scatters evenly, or all"),
     ("light.theta", "degrees, the lamp from the plate's normal"),
     ("light.phi", "degrees, the lamp's azimuth from +x, counter-clockwise"),
     ("design.annealing.energy", "which energies are weighed"),

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::goal::GoalFacts;
 use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
@@ -56,6 +57,9 @@ pub struct DesignReport {
     /// The sheet beside facets, if they were compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside_facets: Option<BesideFacets>,
+    /// The goal, if it was asked for in place of a picture, and the plate beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal: Option<GoalFacts>,
     /// How the light came out, in a sentence, if any was sent: that of the plate as it is made or cut, if it has a machine or
     /// a cutter.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -8,6 +8,10 @@ pub mod scores;
 
 pub mod made;
 
+pub mod goal;
+
+pub mod fit;
+
 pub mod on_wall;
 
 pub mod design;

@@ -1,10 +1,14 @@
 //! `facetmill design`: a picture becomes a plate.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use facetmill::goal::spec::GoalSpec;
+use facetmill::goal::{Goal, GoalError};
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
 use facetmill::job::{Job, Outcome, Product, exports, memory};
+use facetmill::memory::MemoryLimit;
+use facetmill::picture::Picture;
 use facetmill::progress::{Cancelled, Event, Progress, Stage};
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::report::estimate::EstimateReport;
@@ -21,11 +25,11 @@ use crate::{inputs, machining, tables};
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([args.recipe.as_deref(), None])?;
-    let (mut recipe, path) = recipe(args)?;
-    let read = inputs::given([Some(&path), args.recipe.as_deref()])?;
+    let (mut recipe, from) = recipe(args)?;
+    let read = inputs::given([from.path(), args.recipe.as_deref()])?;
     let limit = args.running.memory();
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
-        let picture = inputs::picture(&path, &recipe.reading(), limit)?;
+        let picture = from.picture(args, &mut recipe, limit)?.0;
         let stray = unavoidable_light(&recipe, &picture.light)?;
         let share = stray.map(|stray| stray.share);
         let report =
@@ -47,7 +51,7 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     if folder.join(snapshots::FOLDER).is_file() && (args.snapshots || args.resume) {
         return Err(OutputError::NotAFolder(folder.join(snapshots::FOLDER)).into());
     }
-    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
+    let (picture, goal) = from.picture(args, &mut recipe, limit)?;
     recipe.note_drawing(picture.original_size);
     let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| {
@@ -58,9 +62,12 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     };
     let progress = Progress::new(&listen, &run.cancel);
     let job = Job { recipe: &recipe, picture: &picture, proved: !args.no_verify, memory: limit };
-    let from = if args.resume { Some(snapshots::resume(folder, &recipe, &picture.light)?) } else { None };
+    let checkpoint = if args.resume { Some(snapshots::resume(folder, &recipe, &picture.light)?) } else { None };
     let kept = (args.snapshots || args.resume).then(|| Snapshots::new(folder, &recipe, &picture.light));
-    let made = made(job, from, kept, run, &progress)?;
+    let mut made = made(job, checkpoint, kept, run, &progress)?;
+    if let Some(goal) = &goal {
+        made.prove_goal(goal, &progress)?;
+    }
     made.write(&picture, &mut |name, content| Ok::<_, Failure>(staged.write(name, |out| content(out))?), &progress)?;
     staged.publish()?;
     stages.finish();
@@ -101,8 +108,48 @@ fn made(
     }
 }
 
-/// The effective recipe, and the file of its picture.
-fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
+/// Where the highlight comes from.
+enum From {
+    /// A picture's file.
+    Picture(PathBuf),
+    /// A goal, its file in place.
+    Goal(GoalSpec),
+}
+
+impl From {
+    fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Picture(path) => Some(path),
+            Self::Goal(spec) => spec.path(),
+        }
+    }
+
+    /// The picture, and the goal whose slice it is; the field that the goal needs is set where none was asked for.
+    fn picture(
+        &self,
+        args: &DesignArgs,
+        recipe: &mut Recipe,
+        limit: MemoryLimit,
+    ) -> Result<(Picture, Option<Goal>), Failure> {
+        let spec = match self {
+            Self::Picture(path) => return Ok((inputs::picture(path, &recipe.reading(), limit)?, None)),
+            Self::Goal(spec) => spec,
+        };
+        let cannot = |error: GoalError| match spec.path() {
+            Some(_) => Failure::Input(error.to_string()),
+            None => Failure::Impossible(error.to_string()),
+        };
+        let goal = Goal::read(spec, recipe.goal_part, recipe.setup().light()).map_err(cannot)?;
+        if args.chooses_field() {
+            recipe.highlight.half_field = goal.half_field(&recipe.setup()).map_err(cannot)?;
+        }
+        let picture = goal.picture(&recipe.setup()).map_err(cannot)?;
+        Ok((picture, Some(goal)))
+    }
+}
+
+/// The effective recipe, and where its highlight comes from.
+fn recipe(args: &DesignArgs) -> Result<(Recipe, From), Failure> {
     let from_file = args.recipe.as_deref().map(inputs::recipe).transpose()?;
     // As text: what is not a number does not equal itself.
     let fault = from_file.as_ref().and_then(|recipe| recipe.check().err()).map(|error| error.to_string());
@@ -138,10 +185,33 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, PathBuf), Failure> {
             "{flag} is for a sheet, and this plate is one of flat facets: leave it out, or take --surface continuous"
         )));
     }
-    let path = match (&args.picture, &args.recipe) {
-        (Some(path), _) => path.clone(),
-        (None, Some(file)) => inputs::picture_of(&recipe, file)?,
-        (None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
+    let from = match (&recipe.goal, &args.picture, &args.recipe) {
+        (Some(goal), None, file) => From::Goal(goal_beside(args, &recipe, goal, file.as_deref())?),
+        (None, Some(path), _) | (Some(_), Some(path), _) => From::Picture(path.clone()),
+        (None, None, Some(file)) => From::Picture(inputs::picture_of(&recipe, file)?),
+        (None, None, None) => return Err(Failure::Usage("no picture was given: name one".into())),
     };
-    Ok((recipe, path))
+    if recipe.goal.is_none() && args.goal_part.is_some() {
+        return Err(Failure::Usage("--goal-part is for a --goal, and there is none: leave it out".into()));
+    }
+    Ok((recipe, from))
+}
+
+/// The goal, its file beside the recipe's if it is there.
+fn goal_beside(args: &DesignArgs, recipe: &Recipe, goal: &GoalSpec, file: Option<&Path>) -> Result<GoalSpec, Failure> {
+    if let Some(name) = args.of_picture() {
+        let what = "is for a picture, and this plate has a goal in place of one";
+        return Err(Failure::Usage(format!("--{name} {what}: leave out one of the two")));
+    }
+    if recipe.is_near() {
+        let what = "--goal is for a lamp and viewers far away";
+        return Err(Failure::Usage(format!("{what}: leave out lamp and wall nearby, or draw the highlight")));
+    }
+    if recipe.design.distribution.level {
+        let what = "--level turns the plate, and a goal is for a plate that lies";
+        return Err(Failure::Usage(format!("{what}: leave out one of the two")));
+    }
+    let named = goal.path().filter(|_| args.goal.is_none());
+    let beside = file.zip(named).map(|(file, named)| file.parent().unwrap_or(Path::new("")).join(named));
+    Ok(beside.filter(|path| path.exists()).map_or_else(|| goal.clone(), |path| goal.with_path(path)))
 }

@@ -13,6 +13,7 @@ const MOST_NEEDED: [(&str, &[&str]); 4] = [
         "design",
         &[
             "output",
+            "goal",
             "size",
             "half-field",
             "for-cutter",

@@ -32,6 +32,8 @@ mod manual;
 
 mod measure;
 
+mod fit;
+
 mod machining;
 
 mod astray;
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Verify(args) => &args.running,
         Command::Measure(args) => &args.running,
         Command::Mill(args) => &args.running,
+        Command::Fit(args) => &args.running,
         Command::Completions { shell } => return manual::written(manual::completions(*shell)),
         Command::Man => return manual::written(manual::page()),
     };
@@ -91,6 +94,7 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
             Command::Verify(args) => verify::run(args, &run),
             Command::Measure(args) => measure::run(args, &run),
             Command::Mill(args) => mill::run(args, &run),
+            Command::Fit(args) => fit::run(args, &run),
             Command::Completions { .. } | Command::Man => Ok(()),
         }
     };

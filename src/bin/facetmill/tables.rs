@@ -7,6 +7,7 @@ use facetmill::memory::said;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
+use facetmill::report::goal::{GoalFacts, GoalSlice};
 use facetmill::report::made::MadeFacts;
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
@@ -47,6 +48,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
     rows.extend(scored.map(|(scores, _)| light(scores)));
     rows.extend(report.as_made.as_ref().map(|made| made_in_short(made)));
+    rows.extend(report.goal.iter().filter_map(|goal| goal.verdict.clone()).map(|verdict| told("goal", verdict)));
     rows.push(told("file", file(folder, report)));
     let picture = scored.map_or("relief.png", |(_, picture)| picture);
     rows.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(picture)))));
@@ -115,6 +117,22 @@ pub fn told(name: &str, what: String) -> Row {
     row(name, "", what)
 }
 
+/// A goal and the plate beside it.
+fn goal(facts: &GoalFacts) -> Vec<Row> {
+    let asked = told("goal", format!("{}, albedo {:.3}", facts.spec, facts.albedo));
+    let slice = |slice: &GoalSlice| {
+        let meaning = format!(
+            "misplaced under a lamp at {}°, {:.0}°: {} by what no mirrors can follow, {} by the rest",
+            slice.theta,
+            slice.phi,
+            percent(slice.mirrors_cannot),
+            percent(slice.rest.value)
+        );
+        row("  of its light", percent(slice.tv_1deg.value), meaning)
+    };
+    [asked].into_iter().chain(facts.slices.iter().map(slice)).collect()
+}
+
 /// A path, as it is told.
 pub fn shown(path: &Path) -> String {
     path.display().to_string()
@@ -139,6 +157,7 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         table.push(row("holds beyond", format!("{:.0} m", 1e-3 * holds.lamp_and_wall_mm), meaning));
     }
     table.extend(report.on_wall.iter().flat_map(on_wall));
+    table.extend(report.goal.iter().flat_map(goal));
     if let Some(milled) = &report.as_milled {
         let left = format!("{:.2} µm", milled.left_by_cutter_um);
         table.push(row("left by cutter", left, "at the most, above the written surface"));

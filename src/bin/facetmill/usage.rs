@@ -27,8 +27,9 @@ pub fn answer(error: &clap::Error) -> u8 {
         }
         _ => {
             let words: Vec<_> = std::env::args_os().skip(1).collect();
-            let command =
-                words.iter().find(|word| ["design", "verify", "measure", "mill"].iter().any(|name| *word == name));
+            let command = words
+                .iter()
+                .find(|word| ["design", "verify", "measure", "mill", "fit"].iter().any(|name| *word == name));
             let message = error.render().to_string();
             let name = command.and_then(|command| command.to_str()).unwrap_or_default();
             let message = better_hint(error, name).unwrap_or_else(|| sentence(&message));

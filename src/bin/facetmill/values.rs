@@ -1,10 +1,16 @@
 //! The words and numbers that flags take.
 
 use clap::ValueEnum;
+use facetmill::goal::spec::{GoalPart, GoalSpec, GoalSpecError};
 use facetmill::recipe::settings::value::pair;
 pub use facetmill::recipe::settings::value::{count, number, whole};
 use facetmill::relief::placement::Axis;
 use facetmill::verify::verdict::MAIN_BLUR;
+
+/// A goal such as `ward:0.1,0.3`.
+pub fn goal(text: &str) -> Result<GoalSpec, String> {
+    text.parse().map_err(|error: GoalSpecError| error.to_string())
+}
 
 /// Threads, within what a machine can have.
 pub fn threads(text: &str) -> Result<usize, String> {
@@ -139,6 +145,23 @@ pub enum ExtentArg {
     Finite,
     /// Copies of it side by side without end
     Endless,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum GoalPartArg {
+    /// Without what scatters evenly
+    Specular,
+    /// All of it
+    All,
+}
+
+impl From<GoalPartArg> for GoalPart {
+    fn from(part: GoalPartArg) -> Self {
+        match part {
+            GoalPartArg::Specular => Self::Specular,
+            GoalPartArg::All => Self::All,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

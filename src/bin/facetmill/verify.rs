@@ -192,6 +192,12 @@ fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
             "{name}: say with --against which picture its light is to be scored against"
         )));
     }
+    if let Some(goal) = &recipe.goal {
+        return Err(Failure::Usage(format!(
+            "{name}: its recipe has the goal {goal} in place of a picture: say with --against what its light is to be scored \
+             against, or see all of it with measure --brdf"
+        )));
+    }
     let Some(named) = recipe.picture_path() else {
         return Err(Failure::Input(format!("{name}: its recipe names no picture: say with --against which it is")));
     };

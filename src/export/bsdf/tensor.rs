@@ -1,6 +1,9 @@
 //! Tensor files: named arrays, as Mitsuba reads them.
 
+use std::collections::HashMap;
 use std::io::{self, Write};
+
+use thiserror::Error;
 
 /// One named array of a tensor file.
 pub(super) struct Tensor {
@@ -51,4 +54,62 @@ pub(super) fn write_tensors(fields: &[Tensor], out: &mut impl Write) -> io::Resu
         at = aligned(at) + field.data.len();
     }
     Ok(())
+}
+
+/// An array of numbers that was read.
+#[derive(Clone, Debug)]
+pub(super) struct Floats {
+    /// The last index runs fastest.
+    pub shape: Vec<usize>,
+    pub values: Vec<f64>,
+}
+
+/// Reads every array of 32-bit floats; others are passed over.
+pub(super) fn read_tensors(bytes: &[u8]) -> Result<HashMap<String, Floats>, TensorError> {
+    let mut at = 0;
+    let mut take = |count: usize| {
+        let end = at + count;
+        let found = bytes.get(at..end).ok_or(TensorError::Short)?;
+        at = end;
+        Ok::<&[u8], TensorError>(found)
+    };
+    let number = |bytes: &[u8]| bytes.iter().rev().fold(0u64, |sum, byte| sum << 8 | u64::from(*byte));
+    if take(12)? != b"tensor_file\0" {
+        return Err(TensorError::Other);
+    }
+    take(2)?;
+    let count = number(take(4)?);
+    let mut found = HashMap::new();
+    for _ in 0..count {
+        let length = number(take(2)?) as usize;
+        let name = String::from_utf8_lossy(take(length)?).into_owned();
+        let rank = number(take(2)?) as usize;
+        let kind = take(1)?[0];
+        let offset = number(take(8)?) as usize;
+        let mut shape = Vec::new();
+        for _ in 0..rank {
+            shape.push(number(take(8)?) as usize);
+        }
+        if kind != 10 {
+            continue;
+        }
+        let size = shape.iter().try_fold(4usize, |size, side| size.checked_mul(*side)).ok_or(TensorError::Short)?;
+        let end = offset.checked_add(size).ok_or(TensorError::Short)?;
+        let data = bytes.get(offset..end).ok_or(TensorError::Short)?;
+        let value = |b: &[u8]| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        found.insert(name, Floats { shape, values: data.chunks_exact(4).map(value).collect() });
+    }
+    Ok(found)
+}
+
+/// Why bytes are no tensor file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum TensorError {
+    /// Another kind of file.
+    #[error("this is no .bsdf: it does not begin as one; name one of RGL's or of measure --brdf")]
+    Other,
+    /// It ends before its data do.
+    #[error("the .bsdf is cut short; copy or download it again")]
+    Short,
 }

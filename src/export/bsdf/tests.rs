@@ -94,6 +94,12 @@ fn read_back_as_documented_the_file_gives_the_brdf() {
         };
         let table = table(azimuths, f);
         let found = fields(&written(BsdfColour::Grey(&table), 48));
+        let back = read_bsdf(&written(BsdfColour::Grey(&table), 48)).unwrap();
+        for (wi, wo) in [((0.3, 0.5), (0.4, 3.3)), ((0.9, -1.0), (0.8, 2.0)), ((0.1, 0.0), (0.2, 1.0))] {
+            let (wi, wo) = (crate::slope::direction(wi.0, wi.1), crate::slope::direction(wo.0, wo.1));
+            let (got, wanted) = (back.at(wi, wo), table.at(wi, wo));
+            assert!((got / wanted - 1.0).abs() < 0.05, "{azimuths}: {got} {wanted}");
+        }
         let axes = table.axes();
         for slice in [1, 4, axes.slices() - 2] {
             let vndf = &found["vndf"].1[slice * 17 * 49..][..17 * 49];

@@ -33,6 +33,25 @@ impl<'a> Warp<'a> {
         Self { values, columns, conditional, marginal }
     }
 
+    /// The point (s1, s2) of the unit square that goes to (u, v): the inverse of [`sample`](Self::sample).
+    pub(super) fn place_of(&self, u: f64, v: f64) -> (f64, f64) {
+        let (columns, rows) = (self.columns, self.marginal.len());
+        let place = |t: f64, n: usize| {
+            let at = t.clamp(0.0, 1.0) * (n - 1) as f64;
+            let low = (at as usize).min(n - 2);
+            (low, at - low as f64)
+        };
+        let ((column, s), (row, t)) = (place(u, columns), place(v, rows));
+        // What lies below a place of a line from a to b.
+        let under = |a: f64, b: f64, t: f64| t * (a + 0.5 * t * (b - a));
+        let total = |row: usize| self.conditional[columns * row + columns - 1];
+        let below = self.marginal[row] + under(total(row), total(row + 1), t);
+        let mix = |list: &[f64], k: usize| list[columns * row + k] * (1.0 - t) + list[columns * (row + 1) + k] * t;
+        let left = mix(&self.conditional, column) + under(mix(self.values, column), mix(self.values, column + 1), s);
+        let share = |part: f64, whole: f64| if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.5 };
+        (share(left, mix(&self.conditional, columns - 1)), share(below, self.marginal[rows - 1]))
+    }
+
     /// Where the point (s1, s2) of the unit square goes: (u, v).
     pub(super) fn sample(&self, s1: f64, s2: f64) -> (f64, f64) {
         // Readers keep off the very edge too: where an edge has no density, the limit from inside counts.
@@ -80,6 +99,8 @@ mod tests {
         let warp = Warp::new(&ramps, 6);
         for (s, t) in [(0.0f64, 0.0f64), (0.3, 0.9), (1.0, 1.0), (0.5, 0.123)] {
             let (u, v) = warp.sample(s, t);
+            let (back, up) = warp.place_of(u, v);
+            assert!((back - s).abs() < 1e-6 && (up - t).abs() < 1e-6, "{s} {t} {back} {up}");
             assert!((u - s.sqrt()).abs() < 2e-6 && (v - t.sqrt()).abs() < 2e-6, "{s} {t} {u} {v}");
         }
     }

@@ -3,17 +3,33 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use facetmill::goal::spec::GoalSpec;
 use facetmill::recipe::{Recipe, SurfaceKind};
 
 use super::settings::{ByDesign, SettingFlags};
 use super::{MachineArgs, RunningArgs};
-use crate::values::MethodArg;
+use crate::values::{GoalPartArg, MethodArg, goal};
 
 #[derive(Debug, Args)]
 pub struct DesignArgs {
     /// The highlight, bright where light shall be: PNG, JPEG, TIFF, WebP, SVG, GIF, BMP, PGM, HDR, EXR; - for a pipe
-    #[arg(required_unless_present = "recipe")]
+    #[arg(required_unless_present_any = ["recipe", "goal"])]
     pub picture: Option<PathBuf>,
+    /// Reflectance in place of a picture: ward:0.1,0.3, ggx:0.2,0.05,30, merl:FILE, csv:FILE, ndf:PICTURE
+    ///
+    /// The plate's slice at --light becomes that of a model of reflectance or of a measured material. Models are NAME:NUMBERS,
+    /// sums of them joined by +: lambert, oren-nayar, phong, blinn-phong, gaussian, beckmann, cook-torrance, ggx,
+    /// shifted-gamma, ward, ward-bounded, ashikhmin-shirley, lafortune. Files: merl:gold.binary (MERL), bsdf:gold.bsdf (RGL), csv:brdf.csv (of
+    /// `measure --brdf`), lafortune:lobes.toml, ndf:star.png,30 (a painted density of half vectors, its rim 30° from the
+    /// normal). Without --half-field the field holds 99 % of the light. docs/goals.md has formulas, numbers and figures.
+    #[arg(long, value_name = "SPEC", help_heading = "Highlight and light", value_parser = goal, conflicts_with_all = ["picture", "scene"])]
+    pub goal: Option<GoalSpec>,
+    /// Which part of a --goal is wanted  [default: specular]
+    ///
+    /// No plate of mirrors scatters evenly, as pigment does: `specular` leaves that part of a goal out and the report says how
+    /// much it is; `all` keeps it as a highlight all over the field.
+    #[arg(long, value_enum, value_name = "PART", help_heading = "Highlight and light")]
+    pub goal_part: Option<GoalPartArg>,
     /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present = "dry_run")]
     pub output: Option<PathBuf>,
@@ -66,8 +82,26 @@ impl DesignArgs {
     pub fn apply(&self, recipe: &mut Recipe) {
         if let Some(picture) = &self.picture {
             recipe.name_picture(picture);
+            recipe.goal = None;
+        }
+        if let Some(goal) = &self.goal {
+            (recipe.picture, recipe.picture_bytes) = (None, None);
+            recipe.goal = Some(goal.clone());
+        }
+        if let Some(part) = self.goal_part {
+            recipe.goal_part = part.into();
         }
         self.settings.apply(recipe);
+    }
+
+    /// A setting that only a picture has, if one was given.
+    pub fn of_picture(&self) -> Option<&'static str> {
+        ["quantity", "seen", "invert", "rotate", "fit", "encoding"].into_iter().find(|name| self.settings.has(name))
+    }
+
+    /// Whether the field is to be chosen for the goal.
+    pub fn chooses_field(&self) -> bool {
+        self.goal.is_some() && !self.settings.has("half-field")
     }
 
     /// `recipe` with what its scene implies, unless a flag contradicts that: then what is wrong with it.

@@ -4,6 +4,8 @@ pub mod settings;
 
 mod design;
 
+mod fit;
+
 mod measure;
 
 mod mill;
@@ -19,6 +21,7 @@ use facetmill::memory::MemoryLimit;
 use crate::values::{Limit, UnitArg, UpArg, memory, threads};
 
 pub use design::DesignArgs;
+pub use fit::FitArgs;
 pub use measure::MeasureArgs;
 pub use mill::MillArgs;
 use settings::{ByVerify, SettingFlags};
@@ -103,6 +106,16 @@ Examples:
   facetmill mill plate.stl --machine mine.toml --cutter ball:1 --material brass --rough-cutter flat:3 -o shop")]
     #[command(allow_negative_numbers = true)]
     Mill(Box<MillArgs>),
+    /// Fit models of reflectance to a measured BRDF, and print each as a SPEC for --goal and --material
+    ///
+    /// Eleven models, one lobe each over an even base, the best three with up to three lobes, ranked by the root of the mean
+    /// squared difference of log(1 + BRDF x cosine). The folder receives report.json (numbers with their standard errors) and
+    /// fit.png, fit_2.png, fit_3.png: data and the three best fits.
+    #[command(after_help = "\
+Examples:
+  facetmill fit gold-metallic-paint.binary -o fit       a MERL file
+  facetmill measure ring -o brdf --brdf && facetmill fit brdf -o fit      what material a plate looks like")]
+    Fit(FitArgs),
     /// Print what a shell needs to complete this program's flags
     #[command(
         after_help = "Example: facetmill completions bash > ~/.local/share/bash-completion/completions/facetmill"
