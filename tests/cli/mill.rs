@@ -88,6 +88,24 @@ fn what_makes_no_program_is_refused_in_a_sentence_and_leaves_nothing() {
     assert_refused(&outcome, 2, &["design's own folder"]);
 }
 
+#[test]
+fn a_program_that_makes_up_for_play_says_so_and_is_judged_as_a_slide_with_that_play_follows_it() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    let line = "mill plate --machine desktop --compensate --stepover 0.2 --polish 0.1 --rough-cutter flat:2 --no-verify -o shop --quiet";
+    assert_done(&run_line(home.path(), line));
+    let text = fs::read_to_string(home.path().join("shop/finishing.nc")).unwrap();
+    assert!(text.contains("(Makes up for 5 um of play in z"), "{text}");
+    let checked = |text: &str| {
+        fs::write(home.path().join("one.nc"), text).unwrap();
+        run_line(home.path(), "mill --check one.nc --against plate/plate.stl --margin 1 --quiet")
+    };
+    assert_done(&checked(&text));
+    // Followed to the letter it would cut 2.5 µm too deep wherever it falls.
+    let open = text.split_once('\n').unwrap().1.replace("Makes up for 5 um", "Makes up for 0 um");
+    assert_refused(&checked(&open), 1, &["below the plate"]);
+}
+
 /// The kinds of trouble that a check tells, each with its line.
 fn troubles(report: &serde_json::Value) -> Vec<(String, u64)> {
     let list = report["read"]["troubles"].as_array().unwrap();
