@@ -10,6 +10,8 @@ pub mod made;
 
 pub mod goal;
 
+pub mod windows;
+
 pub mod fit;
 
 pub mod on_wall;
