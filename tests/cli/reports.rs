@@ -136,7 +136,7 @@ fn every_report_is_what_the_published_schema_says() {
         (format!("design ring.png --dry-run {SMALL}"), "EstimateReport"),
         (format!("design ring.png --dry-run {sheet} --for-cutter ball:0.5"), "EstimateReport"),
         (format!("design ring.png -o room {sheet} --lamp-distance 300 --wall 300 --polish 0.01"), "DesignReport"),
-        ("mill sheet --machine vmc --stepover 0.2 --rough-cutter flat:1 -o shop".into(), "MillReport"),
+        ("mill sheet --machine vmc --stepover 0.2 --polish 0.1 --rough-cutter flat:1 -o shop".into(), "MillReport"),
         ("verify facets/plate.stl --against ring.png -o proof --rays 20000".into(), "VerifyReport"),
         (
             "verify sheet -o made --rays 20000 --machine vmc --polish 0.03 --draws 2 --at-most 0.9".into(),
