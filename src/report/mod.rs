@@ -26,6 +26,8 @@ pub mod verify;
 
 pub mod mill;
 
+pub mod plan;
+
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
