@@ -78,6 +78,9 @@ pub enum Goal {
     Wanted(f64),
 }
 
+/// A cutter, and hours with the light that is expected to be misplaced in them.
+pub type Line = (Cutter, Vec<[f64; 2]>);
+
 /// What was planned.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -87,7 +90,7 @@ pub struct Plan {
     pub best: Vec<Proved>,
     /// For each cutter, hours and the least light that is expected to be misplaced in them, in the mean over polish that is
     /// narrower, as meant, and wider.
-    pub lines: Vec<(Cutter, Vec<[f64; 2]>)>,
+    pub lines: Vec<Line>,
     /// What would help most: what, and light misplaced then.
     pub helps: Option<(String, f64)>,
     /// Direction of the passes, radians.
@@ -173,14 +176,8 @@ impl Task<'_> {
     }
 
     /// Light expected to be misplaced over hours, for each cutter, in the mean over polish that is narrower, as meant and wider.
-    fn lines(
-        &self,
-        hours: f64,
-        free: &Free,
-        model: &mut Model,
-        progress: &Progress,
-    ) -> Result<Vec<(Cutter, Vec<[f64; 2]>)>, DesignError> {
-        let mut lines: Vec<(Cutter, Vec<[f64; 2]>)> = Vec::new();
+    fn lines(&self, hours: f64, free: &Free, model: &mut Model, progress: &Progress) -> Result<Vec<Line>, DesignError> {
+        let mut lines: Vec<Line> = Vec::new();
         for hours in AROUND.map(|times| times * hours) {
             for choice in free.best((&mut *model, self.machine), hours, progress)? {
                 let (cutter, figure) = (choice.way.cutter, choice.expected.mean());
