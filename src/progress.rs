@@ -46,6 +46,8 @@ pub enum Stage {
     Scoring,
     /// The cutter is led over the plate, and light sent over what it leaves.
     Milling,
+    /// What a plate would be, if it were made in hundreds of ways.
+    Planning,
     /// Programs for a machine are made, read back and judged.
     Programs,
     /// Flat facets of the same recipe are made and judged.
@@ -80,6 +82,7 @@ impl Stage {
             Self::Tracing => "tracing",
             Self::Scoring => "scoring",
             Self::Milling => "milling",
+            Self::Planning => "planning",
             Self::Programs => "programs",
             Self::Comparison => "comparison",
             Self::Facets => "facets",
@@ -106,6 +109,7 @@ impl Stage {
             Self::Tracing => "tracing light over the plate",
             Self::Scoring => "scoring",
             Self::Milling => "milling it, and tracing that",
+            Self::Planning => "looking for the best way to make it",
             Self::Programs => "making programs, and reading them back",
             Self::Comparison => "comparing with flat facets",
             Self::Facets => "making flat facets, which are better here",

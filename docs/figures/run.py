@@ -11,6 +11,7 @@ the text that differs from what stands here is corrected there.
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -250,6 +251,30 @@ def best_machining():
         making = f"--machine {machine} --stepover {stepover} --polish {polish}"
         made = as_made("portrait", f"{design} --polish {polish}", making)
         row(machine, f"{made['finishing_hours']:.2f} h", f"{tv(made):.4f} / {made['ssim']['0.5']:.3f}")
+
+
+@group
+def programs():
+    """Programs for a machine: lines, CPU seconds of writing and of judging, what is left standing, TV(1) of the program."""
+    with tempfile.TemporaryDirectory() as folder:
+        drawing = str(PICTURES / "portrait.png")
+        design = f"design {drawing} -o plate --cells 1 --for-cutter ball:2 --polish 0.06 --max-triangles 500000 --no-verify"
+        making = "mill plate --machine vmc --stepover 0.02 -o shop --no-verify --json"
+        check = "mill --check shop/finishing.nc --against plate --polish 0.06 --json"
+        said = []
+        for words in [design, making, check]:
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            run = subprocess.run([PROGRAM, *words.split()], capture_output=True, text=True, cwd=folder)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            if run.returncode:
+                sys.exit(f"{words}\n{run.stderr}")
+            said.append((after.ru_utime - before.ru_utime, run.stdout))
+        (_, _), (writing, made), (judging, judged) = said
+        finishing = next(one for one in json.loads(made)["programs"] if one["part"] == "finishing")
+        judged = json.loads(judged)
+        row(f"{finishing['lines']} lines", f"{finishing['hours']:.2f} h", f"{finishing['lines_per_second']:.0f} lines/s")
+        row(f"written in {writing:.1f} CPU s", f"judged, its light too, in {judging:.1f} CPU s")
+        row(f"left standing {judged['surface']['left_mean_um']:.3f} um", f"TV(1) {tv(judged['light']):.4f}")
 
 
 # Goals of every kind that has no file of its own; steel is Bagher, Soler and Holzschuch's fit of black oxidised steel.

@@ -109,7 +109,7 @@ impl Profile {
         if self.least_curvature() > 0.0 {
             // The underside along the line is an arc of radius √(R² - near²).
             let radius = (self.arc * self.arc - near * near).max(0.0).sqrt();
-            return (radius * rise / rise.hypot(1.0)).clamp(low, high);
+            return (radius * rise / (rise * rise + 1.0).sqrt()).clamp(low, high);
         }
         // The rise of the underside along the line grows with the distance from its nearest point.
         let steep = |t: f64| {

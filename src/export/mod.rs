@@ -41,3 +41,5 @@ pub mod brdf_csv;
 pub mod polar_slices;
 
 pub mod hemisphere_maps;
+
+pub mod plan_chart;

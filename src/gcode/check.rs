@@ -107,7 +107,7 @@ const MOST_PLACES: f64 = 100_000.0;
 /// Chords in place of arcs, mm.
 const CHORD: f64 = 1e-4;
 
-/// The worst place of a move, looked at every `step` mm and at its ends: by how much `below` says it is too low.
+/// The worst place of a move, looked at every `step` mm and at its end (its beginning is the end of another): by how much `below` says it is too low.
 fn worst(
     program: &Program,
     one: &Move,
@@ -118,7 +118,7 @@ fn worst(
     let mut from = one.from;
     for to in program.pieces(&one.motion, CHORD) {
         let n = (from.truncate().distance(to.truncate()) / step).ceil().clamp(1.0, MOST_PLACES) as usize;
-        for k in 0..=n {
+        for k in 1..=n {
             let place = from.lerp(to, k as f64 / n as f64);
             if let Some(by) = below(place)
                 && worst.is_none_or(|(most, _)| by > most)

@@ -35,7 +35,7 @@ impl Goal {
         };
         let values: Vec<f64> = (0..SIDE).into_par_iter().flat_map_iter(row).collect();
         let light = Raster { width: SIDE, height: SIDE, values };
-        if !(light.max() > 0.0) {
+        if light.max() <= 0.0 {
             return Err(GoalError::Dark);
         }
         Ok(Picture { light, notes: self.notes.clone(), original_size: (SIDE, SIDE) })
@@ -69,7 +69,7 @@ impl Goal {
             .collect();
         reached.sort_by(|a, b| a.0.total_cmp(&b.0));
         let whole: f64 = reached.iter().map(|(_, flux)| flux).sum();
-        if !(whole > 0.0) {
+        if whole <= 0.0 {
             return Err(GoalError::Dark);
         }
         let mut held = 0.0;

@@ -73,7 +73,7 @@ fn mirrors_follow_what_is_made_of_mirrors_and_not_wards_own_factor() {
     let setup = Setup::new(0.0, 0.0, 0.0, Projection::Orthographic, 1.4);
     let apart = |text: &str, theta: f64| {
         let goal = read(text, GoalPart::Specular, first);
-        let light = direction(theta, 0.0);
+        let light = direction(theta, FRAC_PI_2);
         let (a, b) = (goal.hemisphere(light, side).normalised(), goal.mirrored(&setup, light, side).normalised());
         a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).sum::<f64>() / 2.0
     };
@@ -81,7 +81,7 @@ fn mirrors_follow_what_is_made_of_mirrors_and_not_wards_own_factor() {
         assert!(apart(text, 0.0) < 0.012, "{text}: {}", apart(text, 0.0));
     }
     let (ward, smith) = (apart("ward:0.1,0.3", 0.5), apart("beckmann:0.1,0.3", 0.5));
-    assert!(ward > 0.02 && smith < ward, "{ward} {smith}");
+    assert!(ward > 0.03 && smith < 0.01, "{ward} {smith}");
     let even = read("lambert:0.5", GoalPart::All, first).hemisphere(first, side);
     assert!((in_plane(&even, 0.3, 1.0).unwrap() - 0.5 / std::f64::consts::PI).abs() < 1e-3);
     assert_eq!(in_plane(&even, FRAC_PI_2, 1.0), None);

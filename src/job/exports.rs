@@ -118,6 +118,9 @@ pub const VERIFY: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that a plan may write.
+pub const PLAN: &[&str] = &["plan.png", "recipe-1.toml", "recipe-2.toml", "recipe-3.toml", "report.json"];
+
 /// Every file that a fit may write.
 pub const FIT: &[&str] = &["fit.png", "fit_2.png", "fit_3.png", "report.json"];
 

@@ -48,6 +48,8 @@ pub mod report;
 
 pub mod exports;
 
+pub mod plan;
+
 pub use product::{Content, Product, png};
 pub use sentences::{finer_than_the_blur, in_a_sentence};
 

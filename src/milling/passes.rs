@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::machine::Machine;
 use super::tip::TipHeights;
 use super::track::{Way, whole};
+use crate::cutter::Profile;
 use crate::progress::Progress;
 
 /// Slope up to which contacts beyond the plate's rim are wanted: steeper than any relief that throws a highlight.
@@ -95,10 +96,8 @@ impl Ways {
     ) -> Self {
         let profile = tips.profile();
         let frame = Frame::new(plate, passes.angle);
-        // At a corner of the plate the tip still stands over it.
-        let overrun = profile.contact(STEEPEST).min(0.7 * profile.reach);
-        let beyond = (overrun / passes.stepover).ceil();
-        let count = (frame.size.y / passes.stepover).ceil() as usize + 2 * beyond as usize;
+        let overrun = overrun(profile);
+        let (beyond, count) = count(&frame, overrun, passes.stepover);
         let along = ((frame.size.x + 2.0 * overrun) / step).ceil() as usize + 1;
         let ways: Vec<(f64, Way)> = (0..count)
             .into_par_iter()
@@ -137,12 +136,7 @@ impl Ways {
     /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.
     pub fn hours(&self, machine: &Machine, zigzag: bool) -> f64 {
         let length = self.frame.size.x + 2.0 * self.overrun;
-        let move_at = |mm_per_min: f64| {
-            let speed = mm_per_min / 60.0;
-            length / speed + speed / machine.acceleration
-        };
-        let pass = move_at(machine.feed) + if zigzag { 0.0 } else { move_at(machine.rapid) };
-        self.ways.len() as f64 * pass / 3600.0
+        self.ways.len() as f64 * pass_hours(machine, length, zigzag)
     }
 
     /// Beside a turned plate nothing carries the cutter: it stays at its lowest there.
@@ -154,6 +148,39 @@ impl Ways {
         all.filter(|z| !z.is_finite()).for_each(|z| *z = lowest);
         self
     }
+}
+
+/// How far passes and their ends lie beyond the frame, mm: at a corner of the plate the tip still stands over it.
+fn overrun(profile: &Profile) -> f64 {
+    profile.contact(STEEPEST).min(0.7 * profile.reach)
+}
+
+/// Passes before the frame, and all of them.
+fn count(frame: &Frame, overrun: f64, stepover: f64) -> (f64, usize) {
+    let beyond = (overrun / stepover).ceil();
+    (beyond, (frame.size.y / stepover).ceil() as usize + 2 * beyond as usize)
+}
+
+/// Time of a pass `length` mm long and of the way back, hours.
+fn pass_hours(machine: &Machine, length: f64, zigzag: bool) -> f64 {
+    let move_at = |mm_per_min: f64| {
+        let speed = mm_per_min / 60.0;
+        length / speed + speed / machine.acceleration
+    };
+    (move_at(machine.feed) + if zigzag { 0.0 } else { move_at(machine.rapid) }) / 3600.0
+}
+
+/// What [`Ways::hours`] will be, before there are any: for a plate of `plate` mm, a cutter of `profile`, and passes at an angle
+/// (radians), mm apart, zigzag or not.
+pub fn finishing_hours(
+    machine: &Machine,
+    profile: Profile,
+    plate: DVec2,
+    (angle, stepover, zigzag): (f64, f64, bool),
+) -> f64 {
+    let (frame, overrun) = (Frame::new(plate, angle), overrun(&profile));
+    let (_, count) = count(&frame, overrun, stepover);
+    count as f64 * pass_hours(machine, frame.size.x + 2.0 * overrun, zigzag)
 }
 
 /// Over the plate; beyond its rim the cutter rolls down, and leaves nothing there.

@@ -7,6 +7,7 @@ use super::goal::GoalFacts;
 use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
+pub use super::windows::{DiffractionFacts, MisplacedFacts, WindowFacts};
 use super::{Named, PictureFacts};
 use crate::brdf::material::Material;
 use crate::cutter::Cutter;
@@ -321,35 +322,6 @@ pub struct LighterFacts {
     pub tv_incident_1deg: f64,
     /// The same, counted in the same way, of the file that there is.
     pub tv_incident_1deg_of_this: f64,
-}
-
-/// Misplaced light in windows of a sheet, at a blur of 1°.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct WindowFacts {
-    /// Windows of one cell.
-    pub one_cell: MisplacedFacts,
-    /// Windows of half a cell along each side.
-    pub half_cell: MisplacedFacts,
-}
-
-/// Misplaced light in windows of one size.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct MisplacedFacts {
-    /// Over all windows.
-    pub mean: f64,
-    /// In the worst window.
-    pub largest: f64,
-}
-
-/// What diffraction does to a sheet's light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct DiffractionFacts {
-    /// The smallest patch on which the light depends, mm.
-    pub smallest_patch_mm: Option<f64>,
-    /// By how much diffraction spreads its light, degrees.
-    pub its_blur_deg: Option<f64>,
-    /// Share of the light from patches that it spreads by more than a degree.
-    pub share_beyond_1deg: f64,
 }
 
 /// Light over the plate as its cutter leaves it.

@@ -10,6 +10,8 @@ pub mod made;
 
 pub mod goal;
 
+pub mod windows;
+
 pub mod fit;
 
 pub mod on_wall;
@@ -23,6 +25,8 @@ pub mod measure;
 pub mod verify;
 
 pub mod mill;
+
+pub mod plan;
 
 use serde::{Serialize, Serializer};
 use serde_json::Value;

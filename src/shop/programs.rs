@@ -189,7 +189,11 @@ impl Shop {
         tracks: &[Vec<DVec3>],
         (tips, origin): (&TipHeights, DVec3),
     ) -> Result<ShopFile, ShopError> {
-        let machining = self.finishing();
+        let mut machining = self.finishing();
+        if part != Part::Finishing {
+            // Play is made up for where the surface is left, and nowhere else.
+            machining.machine.compensation_z = 0.0;
+        }
         let (cutter, pace) = match part {
             Part::Roughing => {
                 let cutter = self.roughing.cutter;

@@ -170,7 +170,8 @@ impl Wanted<'_> {
         progress.check()?;
         let mut amiss = Amiss::default();
         cuts.iter().zip(found).for_each(|(one, found)| amiss.take(one.motion.line, found));
-        if left.most > most {
+        // Only where no cut is to blame itself: what passed lowest there may be its neighbour.
+        if amiss.is_none() && left.most > most {
             amiss.take(left.line, Some((left.most, left.place)));
         }
         Ok(amiss)

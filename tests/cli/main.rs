@@ -17,6 +17,7 @@ mod mill;
 mod milled;
 mod names;
 mod on_wall;
+mod plan;
 mod publishing;
 mod reports;
 mod stopping;

@@ -88,6 +88,24 @@ fn what_makes_no_program_is_refused_in_a_sentence_and_leaves_nothing() {
     assert_refused(&outcome, 2, &["design's own folder"]);
 }
 
+#[test]
+fn a_program_that_makes_up_for_play_says_so_and_is_judged_as_a_slide_with_that_play_follows_it() {
+    let home = home();
+    assert_done(&run_line(home.path(), PLATE));
+    let line = "mill plate --machine desktop --compensate --stepover 0.2 --polish 0.1 --rough-cutter flat:2 --no-verify -o shop --quiet";
+    assert_done(&run_line(home.path(), line));
+    let text = fs::read_to_string(home.path().join("shop/finishing.nc")).unwrap();
+    assert!(text.contains("(Makes up for 5 um of play in z"), "{text}");
+    let checked = |text: &str| {
+        fs::write(home.path().join("one.nc"), text).unwrap();
+        run_line(home.path(), "mill --check one.nc --against plate/plate.stl --margin 1 --quiet")
+    };
+    assert_done(&checked(&text));
+    // Followed to the letter it would cut 2.5 µm too deep wherever it falls.
+    let open = text.split_once('\n').unwrap().1.replace("Makes up for 5 um", "Makes up for 0 um");
+    assert_refused(&checked(&open), 1, &["below the plate"]);
+}
+
 /// The kinds of trouble that a check tells, each with its line.
 fn troubles(report: &serde_json::Value) -> Vec<(String, u64)> {
     let list = report["read"]["troubles"].as_array().unwrap();
@@ -138,12 +156,20 @@ fn what_is_planted_in_a_program_is_found_with_its_line_and_the_program_as_writte
         (&cut, format!("{cut}F0"), "unread"),
     ] {
         let (line, _) = half_way(&open, |line| line == from);
-        let all = open.lines().enumerate().map(|(k, old)| if k + 1 == line { to.as_str() } else { old });
-        fs::write(home.path().join("changed.nc"), all.collect::<Vec<_>>().join("\n")).unwrap();
+        // A single point too high changes next to nothing, since its neighbours pass beside it: all to the pass's end.
+        let end = line + open.lines().skip(line).position(|line| line.starts_with("G0")).unwrap();
+        let changed = |(k, old): (usize, &str)| match k + 1 {
+            k if k == line => to.clone(),
+            k if kind == "left-standing" && k > line && k <= end && old.contains('Z') => z(old, 0.05),
+            _ => old.to_owned(),
+        };
+        let all: Vec<String> = open.lines().enumerate().map(changed).collect();
+        fs::write(home.path().join("changed.nc"), all.join("\n")).unwrap();
         let (code, report) = check("changed.nc");
         assert_eq!((code, &report["refused"]), (Some(1), &serde_json::Value::Bool(true)), "{kind}: {report}");
-        // What a rapid passes is told where it passes, in the next line.
-        let near = |found: &(String, u64)| found.0 == kind && found.1.abs_diff(line as u64) <= 1;
+        // What a rapid passes is told where it passes, in the next line; of a pass the worst of its lines.
+        let last = if kind == "left-standing" { end } else { line } as u64 + 1;
+        let near = |found: &(String, u64)| found.0 == kind && (line as u64..=last).contains(&found.1);
         assert!(troubles(&report).iter().any(near), "{kind} in line {line}: {report}");
         assert!(report["verdict"].as_str().unwrap().contains("should not be run"));
     }

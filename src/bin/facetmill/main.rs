@@ -50,6 +50,8 @@ mod mill;
 
 mod design;
 
+mod plan;
+
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         Command::Design(args) => &args.running,
         Command::Verify(args) => &args.running,
         Command::Measure(args) => &args.running,
+        Command::Plan(args) => &args.running,
         Command::Mill(args) => &args.running,
         Command::Fit(args) => &args.running,
         Command::Completions { shell } => return manual::written(manual::completions(*shell)),
@@ -93,6 +96,7 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
             Command::Design(args) => design::run(args, &run),
             Command::Verify(args) => verify::run(args, &run),
             Command::Measure(args) => measure::run(args, &run),
+            Command::Plan(args) => plan::run(args, &run),
             Command::Mill(args) => mill::run(args, &run),
             Command::Fit(args) => fit::run(args, &run),
             Command::Completions { .. } | Command::Man => Ok(()),

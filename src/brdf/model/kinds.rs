@@ -15,6 +15,9 @@ use super::phong::Phong;
 use super::ward::Ward;
 use crate::brdf::microfacet::{Lobe, LobeError, MicrofacetDistribution};
 
+/// What comes of building a model.
+type Built = Result<Arc<dyn Model>, LobeError>;
+
 /// One number of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number {
@@ -40,7 +43,7 @@ pub struct Kind {
     /// Scatters evenly: mirrors cannot make it.
     pub is_base: bool,
     /// Makes the model; as many numbers as were given, each within its range.
-    build: fn(&[f64]) -> Result<Arc<dyn Model>, LobeError>,
+    build: fn(&[f64]) -> Built,
 }
 
 impl Kind {
@@ -215,11 +218,11 @@ const KINDS: &[Kind] = &[
     },
 ];
 
-fn oren_nayar(n: &[f64], qualitative: bool) -> Result<Arc<dyn Model>, LobeError> {
+fn oren_nayar(n: &[f64], qualitative: bool) -> Built {
     Ok(Arc::new(OrenNayar { albedo: n[0], sigma: n[1].to_radians(), qualitative }))
 }
 
-fn profile(profile: Profile, shadowing: Shadowing) -> Result<Arc<dyn Model>, LobeError> {
+fn profile(profile: Profile, shadowing: Shadowing) -> Built {
     Ok(Arc::new(Microfacets { normals: ProfileNormals::new(profile), shadowing }))
 }
 
@@ -228,12 +231,12 @@ fn alphas(n: &[f64]) -> [f64; 2] {
     [n[0], n.get(1).copied().unwrap_or(n[0])]
 }
 
-fn lobe(n: &[f64], law: MicrofacetDistribution, shadowing: Shadowing) -> Result<Arc<dyn Model>, LobeError> {
+fn lobe(n: &[f64], law: MicrofacetDistribution, shadowing: Shadowing) -> Built {
     let [x, y] = alphas(n);
     Ok(turned(Microfacets { normals: Lobe::new(law, x, y)?, shadowing }, n.get(2)))
 }
 
-fn ward(n: &[f64], bounded: bool) -> Result<Arc<dyn Model>, LobeError> {
+fn ward(n: &[f64], bounded: bool) -> Built {
     Ok(turned(Ward { alpha: alphas(n), bounded }, n.get(2)))
 }
 

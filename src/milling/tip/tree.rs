@@ -81,7 +81,8 @@ impl Underside {
         }
         let rise = (b.z - a.z) / length;
         let t = self.profile.rest(near.abs(), rise, [low, high]);
-        let height = a.z + rise * (t - start) - self.profile.underside(t.hypot(near).min(self.profile.reach));
+        let height =
+            a.z + rise * (t - start) - self.profile.underside((t * t + near * near).sqrt().min(self.profile.reach));
         (height, from + along * (t - start))
     }
 }

@@ -8,6 +8,8 @@ mod fit;
 
 mod measure;
 
+mod plan;
+
 mod mill;
 
 use std::path::PathBuf;
@@ -24,6 +26,7 @@ pub use design::DesignArgs;
 pub use fit::FitArgs;
 pub use measure::MeasureArgs;
 pub use mill::MillArgs;
+pub use plan::PlanArgs;
 use settings::{ByVerify, SettingFlags};
 
 /// Turns a drawn highlight into a relief that can be milled and that really reflects it.
@@ -89,6 +92,19 @@ Examples:
   facetmill measure ring -o ball --look --wrap sphere:40 --material aluminium:ggx:0.05 --light 30,90")]
     #[command(allow_negative_numbers = true)]
     Measure(Box<MeasureArgs>),
+    /// Find the plate, cutter, passes and polish that bring a drawing out best on a machine in so many hours
+    ///
+    /// A fast model tells what is to be expected of hundreds of ways; the best three are designed and proved as made. What
+    /// a flag says of size, cells, cutter, polish and direction of passes is kept, the rest is searched for. The folder
+    /// receives plan.png (light over hours, a line a cutter), recipe-1.toml to recipe-3.toml, the best first, for
+    /// `facetmill design --recipe`, and report.json.
+    #[command(after_help = "\
+Examples:
+  facetmill plan ring.png --machine vmc --hours 1 -o plan            then design --recipe plan/recipe-1.toml -o ring
+  facetmill plan ring.png --machine desktop --hours 4 --size 100x100 -o plan
+  facetmill plan ring.png --machine vmc --wanted 0.01 -o plan        how long it takes at the least")]
+    #[command(allow_negative_numbers = true)]
+    Plan(Box<PlanArgs>),
     /// Write the programs by which a machine makes the plate: an air cut, roughing and finishing, each read back and judged
     ///
     /// PLATE is a closed mesh in mm, or the folder of a design. The folder receives, one tool a file, air-cut (the outline

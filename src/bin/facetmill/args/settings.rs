@@ -44,6 +44,23 @@ impl Takes for ByVerify {
     }
 }
 
+/// `facetmill plan` takes what the picture and the lamp are, the plate's measures, and what of its making is fixed.
+#[derive(Clone, Copy, Debug)]
+pub struct ByPlan;
+
+impl Takes for ByPlan {
+    fn takes(setting: &Setting) -> bool {
+        let more = ["size", "cells", "thickness", "border", "border-finish", "for-cutter", "polish", "max-triangles"];
+        let making = ["pass-angle", "pass-order", "draws", "rays", "seed"];
+        setting.section == Section::Optics || more.contains(&setting.name) || making.contains(&setting.name)
+    }
+
+    fn shown(setting: &Setting, flag: Arg) -> Arg {
+        let searched = ["size", "cells", "for-cutter", "polish", "pass-angle"].contains(&setting.name);
+        if searched { flag.help(format!("{}  [default: searched for]", setting.help)) } else { flag }
+    }
+}
+
 /// `facetmill mill` takes how passes go.
 #[derive(Clone, Copy, Debug)]
 pub struct ByMill;
