@@ -41,7 +41,6 @@ fn what_a_table_was_made_with_is_found_within_two_per_cent() {
     ] {
         let wanted = named(text);
         let found = single(&noisy(text, isotropic), wanted.terms()[1].kind.name).unwrap();
-        println!("{text}: {} {:.5}", found.model, found.error);
         for (own, other) in wanted.terms().iter().zip(found.model.terms()) {
             for (a, b) in own.numbers.iter().zip(&other.numbers) {
                 assert!((b / a - 1.0).abs() < 0.02, "{text}: {}", found.model);
@@ -61,18 +60,15 @@ fn two_lobes_are_found_as_two_and_the_ranking_says_what_fits() {
     let samples = noisy("lambert:0.1+ggx:0.08:0.4+ggx:0.35:0.4", true);
     let one = single(&samples, "ggx").unwrap();
     let two = with_another(&samples, &one).unwrap();
-    println!("{} {} {}", one.error, two.error, two.model);
     assert!(two.error < 0.3 * one.error);
     let mut widths: Vec<f64> = two.model.terms()[1..].iter().map(|term| term.numbers[0]).collect();
     widths.sort_by(f64::total_cmp);
     assert!((widths[0] / 0.08 - 1.0).abs() < 0.02 && (widths[1] / 0.35 - 1.0).abs() < 0.02, "{widths:?}");
     let three = with_another(&samples, &two).map_or(f64::INFINITY, |three| three.error);
-    println!("three {three}");
     assert!(three > (1.0 - WORTH_A_LOBE) * two.error);
     // As metals in Ngan's study: a peak with a tail is not Ward's.
     let mixed = noisy("beckmann:0.15:0.6+ggx:0.3:0.3", true);
     let error = |name| single(&mixed, name).unwrap().error;
     let (ggx, gamma, ward) = (error("ggx"), error("shifted-gamma"), error("ward"));
-    println!("{ggx} {gamma} {ward}");
     assert!(ggx.min(gamma) < 0.5 * ward, "{ggx} {gamma} {ward}");
 }

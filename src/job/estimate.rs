@@ -15,20 +15,18 @@ type Measured = &'static [(f64, f64)];
 const VORONOI: Measured =
     &[(25.0, 0.01), (100.0, 0.02), (400.0, 0.04), (900.0, 0.2), (2400.0, 0.43), (1e4, 0.4), (4e4, 1.1), (1.6e5, 4.1)];
 
-/// Up to 1024 facets in one exact assignment, beyond that in windows, beyond 200 000 in fewer rounds of them.
+/// Up to 1024 facets in one exact assignment, beyond that a flow and windows.
 const TRANSPORT: Measured = &[
-    (100.0, 0.002),
-    (400.0, 0.035),
-    (900.0, 0.36),
-    (1024.0, 0.5),
-    (1025.0, 0.11),
-    (2400.0, 0.3),
-    (1e4, 1.75),
-    (4e4, 6.1),
-    (1.6e5, 31.0),
-    (2e5, 40.0),
-    (2.0001e5, 22.5),
-    (4e6, 510.0),
+    (100.0, 0.001),
+    (400.0, 0.007),
+    (900.0, 0.07),
+    (1024.0, 0.09),
+    (1025.0, 0.013),
+    (2400.0, 0.03),
+    (1e4, 0.15),
+    (4e4, 0.56),
+    (1.6e5, 2.1),
+    (1e6, 15.3),
 ];
 
 /// CPU seconds an exchange of facets tried in annealing.

@@ -49,7 +49,7 @@ pub enum When {
     /// If light was sent over the plate of a goal.
     Goal,
     /// If light was sent over the plate as a machine makes it.
-    Made,
+    AsMade,
     /// If the surface that a machine and polish leave was asked for.
     Surface,
 }
@@ -86,7 +86,7 @@ pub const DESIGN: &[Export] = &[
     },
     Export {
         name: "comparison_made.png",
-        when: When::Made,
+        when: When::AsMade,
         write: |from, out| from.proof(|p, out| p.made.as_ref().map_or(Ok(()), |page| png(page, out)), out),
     },
     Export { name: "as-made.stl", when: When::Surface, write: |from, out| from.surface(out) },
@@ -233,7 +233,7 @@ impl<'a> Source<'a> {
             When::Proved => proved,
             When::Milled => milled,
             When::Goal => self.product.goal.as_ref().is_some_and(GoalProof::is_traced),
-            When::Made => made.is_some(),
+            When::AsMade => made.is_some(),
             When::Surface => surface,
         })
     }

@@ -14,6 +14,10 @@ mod derived;
 
 pub mod settings;
 
+mod error;
+
+mod passes;
+
 mod check;
 
 mod text;
@@ -25,7 +29,7 @@ use serde::{Deserialize, Serialize};
 pub use crate::cutter::{Cutter, CutterError};
 pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
-pub use check::RecipeError;
+pub use error::RecipeError;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
 pub use scene::{NearMethod, SceneFault, SceneSettings};

@@ -84,13 +84,13 @@ impl Sheet<'_> {
             size.y,
             size.z,
             escaped(&blank.zero_in_words()),
-            self.from_above(),
-            self.from_the_side()
+            self.view_from_above(),
+            self.view_from_the_side()
         )
     }
 
     /// The stock from above: optical area, rim, zero and axes.
-    fn from_above(&self) -> String {
+    fn view_from_above(&self) -> String {
         let blank = &self.shop.blank;
         let (size, rim) = (blank.size(), blank.margin);
         let unit = size.x.max(size.y) / 100.0;
@@ -137,7 +137,7 @@ impl Sheet<'_> {
     }
 
     /// Heights of the stock, of the finished plate and of what is cut.
-    fn from_the_side(&self) -> String {
+    fn view_from_the_side(&self) -> String {
         let blank = &self.shop.blank;
         let deepest = self.files.iter().filter_map(|file| file.judgement.extent.cuts).map(|bounds| bounds.low.z);
         let deepest = deepest.fold(0.0, f64::min);
@@ -214,11 +214,11 @@ impl Sheet<'_> {
         let reach = self.shop.roughing.cutter.reach().max(self.shop.machining.cutter.reach());
         let mut text = String::new();
         if let Some(bounds) = bounds {
-            let _ = write!(
+            let _ = writeln!(
                 text,
                 "<p>Tools go from X {:.2} to {:.2} and from Y {:.2} to {:.2}, measured at their axes, and are up to {reach:.2} \
                  mm wide on each side of them. Beside the stock they go down to Z {:.2}: clamp from below, glue, or leave a \
-                 rim of stock outside.</p>\n",
+                 rim of stock outside.</p>",
                 bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y, bounds.low.z
             );
         }

@@ -1,6 +1,6 @@
-//! What is too heavy for `cargo test`: designs at the program's own defaults. In a release build:
+//! What is too heavy for `cargo test`: designs at the program's own defaults.
 //!
-//!     cargo test --release --locked --test heavy
+//!     cargo test --locked --test heavy
 
 #[allow(dead_code, reason = "shared with the tests of the command line, which need all of it")]
 #[path = "../program/mod.rs"]

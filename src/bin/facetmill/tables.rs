@@ -47,7 +47,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     let made = report.as_made.as_ref().map(|made| (&made.scores, "comparison_made.png"));
     let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
     rows.extend(scored.map(|(scores, _)| light(scores)));
-    rows.extend(report.as_made.as_ref().map(|made| made_in_short(made)));
+    rows.extend(report.as_made.as_ref().map(made_in_short));
     rows.extend(report.goal.iter().filter_map(|goal| goal.verdict.clone()).map(|verdict| told("goal", verdict)));
     rows.push(told("file", file(folder, report)));
     let picture = scored.map_or("relief.png", |(_, picture)| picture);

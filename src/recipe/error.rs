@@ -1,0 +1,188 @@
+//! Why a recipe cannot be followed, in one sentence with what would do.
+
+use super::settings::LEAST_GRID;
+use super::{SceneFault, SurfaceKind};
+use crate::cutter::UnmodelledCutter;
+use crate::milling::made::MachiningError;
+
+/// Why a recipe cannot be followed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecipeError {
+    /// Not TOML, or not of this program: what, and on which line.
+    #[error("line {1} makes no sense: {0}")]
+    Unreadable(String, usize),
+    /// A number outside what is possible.
+    #[error("{setting} is {value}: it must be from {low} to {high}")]
+    OutOfRange {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+        /// What was asked.
+        value: f64,
+        /// Least possible.
+        low: f64,
+        /// Most possible.
+        high: f64,
+    },
+    /// Lamp and wall nearby that make no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneFault),
+    /// A setting of one kind of relief beside one of the other.
+    #[error("{setting} is for {}: leave out one of the two", other_kind(*kind, decisive))]
+    OtherKind {
+        /// Name of the setting without meaning, as in the flag.
+        setting: &'static str,
+        /// Name of the setting that decided for the other kind.
+        decisive: &'static str,
+        /// The kind of the relief.
+        kind: SurfaceKind,
+    },
+    /// A setting of making without a machine.
+    #[error("{setting} is for a plate that a machine makes: name one with --machine, or leave it out")]
+    NoMachine {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+    },
+    /// A machine that is none.
+    #[error("machine: {0}")]
+    Machine(String),
+    /// A machine without a cutter.
+    #[error("machine: say what it cuts with, such as --for-cutter ball:0.5 (--cutter of a plate that is there)")]
+    NoCutter,
+    /// A surface that is too fine for a file.
+    #[error("as-made-stl is for a plate that is polished: give --polish too, or leave it out")]
+    NoPolish,
+    /// A proof that there is not.
+    #[error(
+        "machine: the proof as made is for lamps and walls far away: leave it out, or the flags of lamp and wall nearby"
+    )]
+    MachineNearby,
+    /// What the machine cannot make.
+    #[error(transparent)]
+    Machining(#[from] MachiningError),
+    /// A finish of a rim that is not there.
+    #[error("border-finish is for a plate with a rim: give --border too, or leave it out")]
+    NoBorder,
+    /// Facets do not divide into cells.
+    #[error(
+        "{columns}x{rows} facets do not divide into {}x{} cells: take --facets {near_columns}x{near_rows}, or other --cells",
+        cells[0],
+        cells[1]
+    )]
+    Indivisible {
+        /// Facets along x.
+        columns: usize,
+        /// Facets along y.
+        rows: usize,
+        /// Cells along x and y.
+        cells: [usize; 2],
+        /// The nearest number along x that divides.
+        near_columns: usize,
+        /// The nearest number along y that divides.
+        near_rows: usize,
+    },
+    /// More than fits.
+    #[error("{columns}x{rows} facets are more than the 4 million that one plate can have: take fewer --facets")]
+    TooManyFacets {
+        /// Facets along x.
+        columns: usize,
+        /// Facets along y.
+        rows: usize,
+    },
+    /// Facets twenty times as long as wide.
+    #[error("facets would be {across:.3} mm by {up:.3} mm: choose --facets in proportion to --size")]
+    Slivers {
+        /// Facet size along x, mm.
+        across: f64,
+        /// Facet size along y, mm.
+        up: f64,
+    },
+    /// The transforms want pairs of nodes.
+    #[error("a grid of {grid} nodes is odd: take --grid {}", grid + 1)]
+    OddGrid {
+        /// Nodes a side.
+        grid: usize,
+    },
+    /// Cells four times as long as wide.
+    #[error(
+        "cells would be {across:.3} mm by {up:.3} mm: leave out --cells, choose a --size whose sides differ by less than four times, or take flat facets (--facets)"
+    )]
+    LongCells {
+        /// Cell size along x, mm.
+        across: f64,
+        /// Cell size along y, mm.
+        up: f64,
+    },
+    /// Over the budget.
+    #[error("the grid needs {triangles:.0} triangles, over the budget: {}, or raise --max-triangles", fewer(*most))]
+    TooManyTriangles {
+        /// Triangles on the plate.
+        triangles: f64,
+        /// The largest grid within the budget.
+        most: usize,
+    },
+    /// A cutter that sheets cannot be designed for.
+    #[error(transparent)]
+    UnmodelledCutter(#[from] UnmodelledCutter),
+    /// A ball wider than what it shall cut.
+    #[error("a cutter of {diameter} mm cannot cut cells of {cell:.3} mm: take a smaller cutter or fewer --cells")]
+    CutterBeyondCell {
+        /// Its diameter, mm.
+        diameter: f64,
+        /// Shorter side of a cell, mm.
+        cell: f64,
+    },
+    /// A cutter too small to follow over a plate.
+    #[error(
+        "a cutter of {diameter} mm is too small to be followed over the whole plate: name one of {least} mm or more in --for-cutter, take a smaller --size, or leave the cutter out"
+    )]
+    CutterTooFine {
+        /// Its diameter, mm.
+        diameter: f64,
+        /// The smallest that can be, mm.
+        least: f64,
+    },
+    /// A cutter that takes thousands of facets to pass over.
+    #[error(
+        "a cutter of {diameter} mm is too wide to be followed over facets of {pitch:.4} mm: take a smaller cutter in --for-cutter or fewer --facets"
+    )]
+    CutterTooWide {
+        /// Its diameter, mm.
+        diameter: f64,
+        /// Shorter side of a facet, mm.
+        pitch: f64,
+    },
+    /// Polish that leaves nothing.
+    #[error(
+        "a polish of {polish} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --polish or fewer --cells"
+    )]
+    PolishBeyondCell {
+        /// Standard deviation, mm.
+        polish: f64,
+        /// Shorter side of a cell, mm.
+        cell: f64,
+    },
+}
+
+fn fewer(most: usize) -> String {
+    if most < LEAST_GRID { "take fewer --cells".into() } else { format!("lower --grid to {most}") }
+}
+
+fn other_kind(kind: SurfaceKind, decisive: &str) -> String {
+    match kind {
+        SurfaceKind::Facets => format!("a sheet, and --{decisive} makes this plate one of flat facets"),
+        SurfaceKind::Sheet => format!("flat facets, and --{decisive} makes this plate a sheet"),
+    }
+}
+
+impl RecipeError {
+    /// Whether the settings are sound one by one but no plate can have them together.
+    pub fn is_impossible(&self) -> bool {
+        match self {
+            Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::NoMachine { .. } | Self::Machine(_) | Self::NoCutter | Self::NoPolish | Self::MachineNearby => false,
+            Self::Scene(fault) => fault.is_impossible(),
+            _ => true,
+        }
+    }
+}
