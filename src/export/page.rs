@@ -20,6 +20,18 @@ pub(super) const PLAN_LINE: Rgb<u8> = Rgb([110; 3]);
 pub(super) const GRID: Rgb<u8> = Rgb([222; 3]);
 /// Grid lines over a grey picture: bluish, so that they differ from its greys.
 pub(super) const GRID_ON_GREY: Rgb<u8> = Rgb([96, 112, 140]);
+/// Curves of a diagram, in their order; told apart in grey too.
+pub(super) const CURVES: [Rgb<u8>; 9] = [
+    Rgb([22, 64, 138]),
+    Rgb([201, 76, 32]),
+    Rgb([40, 140, 90]),
+    Rgb([128, 62, 150]),
+    Rgb([212, 150, 20]),
+    Rgb([60, 160, 200]),
+    Rgb([90, 90, 90]),
+    Rgb([150, 40, 60]),
+    Rgb([0, 0, 0]),
+];
 /// The dot that marks the lamp.
 pub(super) const LAMP_DOT: Rgb<u8> = Rgb([242, 170, 40]);
 

@@ -1,24 +1,11 @@
 //! The picture of a plan: light that is misplaced over hours, a line a cutter.
 
 use glam::DVec2;
-use image::{Rgb, RgbImage};
+use image::RgbImage;
 
 use super::lettering::Align;
-use super::page::{GRID, LINE, NOTE, PAGE, Page, TEXT, Unit};
+use super::page::{CURVES, GRID, LINE, NOTE, PAGE, Page, TEXT, Unit};
 use super::ticks::number;
-
-/// Lines, in the order of the cutters; told apart in grey too.
-const LINES: [Rgb<u8>; 9] = [
-    Rgb([22, 64, 138]),
-    Rgb([201, 76, 32]),
-    Rgb([40, 140, 90]),
-    Rgb([128, 62, 150]),
-    Rgb([212, 150, 20]),
-    Rgb([60, 160, 200]),
-    Rgb([90, 90, 90]),
-    Rgb([150, 40, 60]),
-    Rgb([0, 0, 0]),
-];
 
 /// The chart is drawn at one size only: its unit is the pixel.
 const UNIT: Unit = Unit(1.0);
@@ -64,7 +51,7 @@ impl PlanChart<'_> {
             page.write(&label, (left as f32 - 10.0, y as f32 + 6.0), UNIT.style(17.0, TEXT, Align::Right));
         }
         page.frame(AREA.map(|v| v as i64), 1, LINE);
-        for ((_, points), colour) in self.lines.iter().zip(LINES.iter().cycle()) {
+        for ((_, points), colour) in self.lines.iter().zip(CURVES.iter().cycle()) {
             let points: Vec<DVec2> = points.iter().filter(sound).map(|point| place(*point)).collect();
             page.stroke(&points, 2.4, *colour);
         }
@@ -83,7 +70,7 @@ impl PlanChart<'_> {
         let [left, top, width, height] = AREA;
         page.write_fitted(self.heading, (40.0, 40.0), UNIT.left(24.0, TEXT), 920.0);
         let mut x = left;
-        for ((name, _), colour) in self.lines.iter().zip(LINES.iter().cycle()) {
+        for ((name, _), colour) in self.lines.iter().zip(CURVES.iter().cycle()) {
             page.stroke(&[DVec2::new(x, 69.0), DVec2::new(x + 22.0, 69.0)], 4.0, *colour);
             page.write(name, (x as f32 + 28.0, 75.0), UNIT.style(16.0, TEXT, Align::Left));
             x += 46.0 + f64::from(super::lettering::width(name, 16.0));
@@ -140,7 +127,7 @@ mod tests {
         let page = chart.picture();
         // The axes reach 1.15 times beyond; halfway along both logarithms the line is in the middle.
         let [x, y] = [AREA[0] + 0.5 * AREA[2], AREA[1] + 0.5 * AREA[3]].map(|v| v as u32);
-        assert!((y - 2..=y + 2).any(|y| *page.get_pixel(x, y) == LINES[0]), "{:?}", page.get_pixel(x, y));
+        assert!((y - 2..=y + 2).any(|y| *page.get_pixel(x, y) == CURVES[0]), "{:?}", page.get_pixel(x, y));
         let marks = Decades { low: 0.4, high: 25.0 }.marks();
         assert!(
             marks.iter().zip([0.5, 1.0, 2.0, 5.0, 10.0, 20.0]).all(|(a, b)| (a / b - 1.0).abs() < 1e-9),

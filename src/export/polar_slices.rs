@@ -6,21 +6,13 @@ use glam::DVec2;
 use image::{Rgb, RgbImage};
 
 use super::lettering::{self, Align};
-use super::page::{GRID, LINE, NOTE, Page, TEXT, Unit};
+use super::page::{CURVES, GRID, LINE, NOTE, Page, TEXT, Unit};
 use super::ticks::{number, round_below};
 use crate::slope::direction;
 use crate::verify::goniometer::table::BrdfTable;
 
-/// Curves, in the order of the angles; told apart in grey too.
-const CURVES: [Rgb<u8>; 7] = [
-    Rgb([22, 64, 138]),
-    Rgb([201, 76, 32]),
-    Rgb([40, 140, 90]),
-    Rgb([128, 62, 150]),
-    Rgb([212, 150, 20]),
-    Rgb([60, 160, 200]),
-    Rgb([90, 90, 90]),
-];
+/// Slices of a diagram: more cannot be told apart in it.
+const MOST: usize = 7;
 /// Of dashes, over the curve that they are compared with.
 const DASHED: Rgb<u8> = Rgb([20, 20, 20]);
 /// The diagram is drawn at one size only: its unit is the pixel.
@@ -64,7 +56,7 @@ pub fn polar_slices(table: &BrdfTable, theta_i: &[f64], phi: f64, scale: RadialS
         let values = (0..=STEPS).map(|k| table.at(direction(theta, phi), direction(angle(k), phi))).collect();
         PolarCurve { theta, values, dashed: false }
     };
-    let curves: Vec<PolarCurve> = theta_i.iter().take(CURVES.len()).map(curve).collect();
+    let curves: Vec<PolarCurve> = theta_i.iter().take(MOST).map(curve).collect();
     drawn(&curves, phi, scale, heading)
 }
 
@@ -78,7 +70,7 @@ fn drawn(curves: &[PolarCurve], phi: f64, scale: RadialScale, heading: &str) -> 
     let angle = |k: usize| (k as f64 / STEPS as f64 - 0.5) * PI;
     let mut shown: Vec<f64> = Vec::new();
     for curve in curves.iter().filter(|curve| !curve.dashed) {
-        if !shown.contains(&curve.theta) && shown.len() < CURVES.len() {
+        if !shown.contains(&curve.theta) && shown.len() < MOST {
             shown.push(curve.theta);
         }
     }

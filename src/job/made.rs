@@ -141,17 +141,10 @@ impl MadeProof {
 
     /// What a report says of it.
     pub fn facts(&self) -> MadeFacts {
-        let Machining { machine, cutter, passes, polish, .. } = &self.machining;
         MadeFacts {
             scores: (&self.verdict).into(),
             tv_incident_1deg_by_draw: self.draws.clone(),
-            machine: machine.clone(),
-            cutter: *cutter,
-            stepover_mm: passes.stepover,
-            pass_angle_deg: passes.angle.to_degrees(),
-            zigzag: passes.zigzag,
-            polish_mm: *polish,
-            cusp_height_um: 1000.0 * self.machining.cusp_height(),
+            machining: (&self.machining).into(),
             central_spot: self.central_spot,
             finishing_hours: self.hours,
         }

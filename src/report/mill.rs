@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::MeshFacts;
-use super::made::MadeFacts;
+use super::made::{MachiningFacts, MadeFacts};
 use super::scores::Scores;
 use crate::cutter::Cutter;
 use crate::milling::machine::Machine;
@@ -18,8 +18,9 @@ pub struct MillReport {
     pub program: &'static str,
     /// The mesh.
     pub plate: MeshFacts,
-    /// The machine, in the decimals and at the feed of its finishing program.
-    pub machine: Machine,
+    /// How it is made; the machine is in the decimals and at the feed of its finishing program, the polish is assumed.
+    #[serde(flatten)]
+    pub machining: MachiningFacts,
     /// The control.
     pub dialect: String,
     /// What it is cut from.
@@ -30,19 +31,6 @@ pub struct MillReport {
     pub stock_over_mm: f64,
     /// Where the programs count from, in words.
     pub zero: String,
-    /// The finishing cutter.
-    pub cutter: Cutter,
-    /// From one finishing pass to the next, mm.
-    pub stepover_mm: f64,
-    /// Direction of the finishing passes from +x toward +y, degrees.
-    pub pass_angle_deg: f64,
-    /// Whether every other finishing pass is cut on the way back.
-    pub zigzag: bool,
-    /// Standard deviation of the polish that is assumed afterwards, mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub polish_mm: Option<f64>,
-    /// Height of the cusps between passes over a level plate, µm.
-    pub cusp_height_um: f64,
     /// The programs, in the order of running.
     pub programs: Vec<ProgramFacts>,
     /// All of it in hours.
@@ -126,13 +114,7 @@ impl MillReport {
             stock_mm: shop.blank.size().to_array(),
             stock_over_mm: shop.blank.over,
             zero: shop.blank.zero_in_words(),
-            cutter: machining.cutter,
-            stepover_mm: machining.passes.stepover,
-            pass_angle_deg: machining.passes.angle.to_degrees(),
-            zigzag: machining.passes.zigzag,
-            polish_mm: machining.polish,
-            cusp_height_um: 1000.0 * machining.cusp_height(),
-            machine: machining.machine,
+            machining: (&machining).into(),
             programs: files.iter().map(ProgramFacts::new).collect(),
             hours,
             as_made: None,

@@ -31,10 +31,10 @@ fn program_row(folder: &Path, program: &ProgramFacts) -> Row {
 /// All figures of programs.
 pub fn mill(report: &MillReport) -> Vec<Row> {
     let mut rows = vec![
-        row("machine", report.machine.name.clone(), format!("control {}", report.dialect)),
-        row("stepover", format!("{} mm", report.stepover_mm), "from one finishing pass to the next"),
-        row("cusps", format!("{:.4} µm", report.cusp_height_um), "between them, over a level plate"),
-        row("decimals", report.machine.decimals.to_string(), "of the finishing program"),
+        row("machine", report.machining.machine.name.clone(), format!("control {}", report.dialect)),
+        row("stepover", format!("{} mm", report.machining.stepover_mm), "from one finishing pass to the next"),
+        row("cusps", format!("{:.4} µm", report.machining.cusp_height_um), "between them, over a level plate"),
+        row("decimals", report.machining.machine.decimals.to_string(), "of the finishing program"),
     ];
     for program in &report.programs {
         let name = &program.part;

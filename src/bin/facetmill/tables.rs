@@ -8,7 +8,7 @@ use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
 use facetmill::report::goal::{GoalFacts, GoalSlice};
-use facetmill::report::made::MadeFacts;
+use facetmill::report::made::{MachiningFacts, MadeFacts};
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
@@ -57,10 +57,10 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
 
 /// How it is made.
 fn made_in_short(made: &MadeFacts) -> Row {
-    let MadeFacts { machine, cutter, stepover_mm, finishing_hours, .. } = made;
-    let polish = made.polish_mm.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+    let MachiningFacts { machine, cutter, stepover_mm, polish_mm, .. } = &made.machining;
+    let polish = polish_mm.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
     let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart", machine.name);
-    told("made", format!("by {passes}, {finishing_hours:.1} h at {} mm/min; {polish}", machine.feed))
+    told("made", format!("by {passes}, {:.1} h at {} mm/min; {polish}", made.finishing_hours, machine.feed))
 }
 
 /// The plate's file and its size.
@@ -355,10 +355,11 @@ fn made(made: &MadeFacts) -> Vec<Row> {
         let from = format!("{} to {}", percent(low), percent(high));
         table.push(row("other plates", from, format!("misplaced on {} plates made alike", draws.len())));
     }
-    let cusps = format!("between passes {} mm apart, before any polish", made.stepover_mm);
-    table.push(row("cusps", format!("{:.3} µm", made.cusp_height_um), cusps));
+    let MachiningFacts { machine, stepover_mm, cusp_height_um, .. } = &made.machining;
+    let cusps = format!("between passes {stepover_mm} mm apart, before any polish");
+    table.push(row("cusps", format!("{cusp_height_um:.3} µm"), cusps));
     table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
-    let finishing = format!("of finishing by {} at {} mm/min", made.machine.name, made.machine.feed);
+    let finishing = format!("of finishing by {} at {} mm/min", machine.name, machine.feed);
     table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
     table
 }
