@@ -90,7 +90,7 @@ impl Amiss {
         if self.moves == 1 {
             self.first_line = line;
         }
-        if by > self.worst {
+        if by > self.worst || self.moves == 1 {
             (self.worst, self.line, self.place) = (by, line, place);
         }
     }

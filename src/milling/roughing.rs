@@ -156,8 +156,10 @@ mod tests {
         let box_of = [DVec2::ZERO, DVec2::new(10.0, 6.0)];
         let tracks = roughing.tracks(&tips, box_of, 2.3, &Progress::silent());
         let lowest = |x: f64| {
-            let over = tracks.iter().flatten().filter(|point| (point.x - x).abs() < 0.9);
-            over.map(|point| point.z).fold(f64::INFINITY, f64::min)
+            let pieces = tracks.iter().flat_map(|track| track.windows(2));
+            let over = pieces.filter(|ends| (ends[0].x - x) * (ends[1].x - x) <= 0.0);
+            let height = |ends: &[DVec3]| ends[0].lerp(ends[1], (x - ends[0].x) / (ends[1].x - ends[0].x)).z;
+            over.map(height).fold(f64::INFINITY, f64::min)
         };
         assert!((lowest(5.0) - 2.1).abs() < 1e-6 && lowest(1.0).abs() < 1e-6 && lowest(9.0).abs() < 1e-6);
         // No segment passes lower than the cutter may stand over the plate, wherever the wall is between its ends.
