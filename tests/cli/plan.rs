@@ -36,7 +36,7 @@ fn what_cannot_be_planned_is_told() {
         ("ring.png --machine vmc --hours -1", 2, ["--hours", "0.001"]),
         ("ring.png --machine vmc --hours 1 --wanted 0.1", 2, ["--wanted", "--hours"]),
         ("ring.png --machine vmc --wanted 0", 2, ["--wanted", "0.0001"]),
-        ("ring.png --machine vmc --hours 1 --facets 9x9", 2, ["--facets", "unexpected"]),
+        ("ring.png --machine vmc --hours 1 --facets 9x9", 2, ["--facets", "there is no"]),
         ("none.png --machine vmc --hours 1", 3, ["none.png", "no such file"]),
     ] {
         assert_refused(&run_line(home.path(), &format!("plan {flags} -o plan")), code, &words);
