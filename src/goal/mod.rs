@@ -3,7 +3,7 @@
 //!
 //! 1. [`spec`] is how one is asked for: `ward:0.1,0.3`, `merl:gold.binary`, `ndf:star.png`.
 //! 2. [`Goal`] is what was asked for, read.
-//! 3. [`slice`](mod@slice) lays it out: as a picture for the design, over the hemisphere for a proof, and how wide a field it needs.
+//! 3. `slice` lays it out: as a picture for the design, over the hemisphere for a proof, and how wide a field it needs.
 
 pub mod spec;
 

@@ -1,4 +1,4 @@
-//! Models in words: NAME:NUMBERS[:SHARE], several of them joined by `+`, as in `ggx:0.2,0.05,30` or
+//! Models in words: `NAME:NUMBERS[:SHARE]`, several of them joined by `+`, as in `ggx:0.2,0.05,30` or
 //! `lambert:0.3+ward:0.1,0.3:0.4`.
 //!
 //! SHARE is what a lobe reflects of what it would: a number, or Fresnel's share as `schlick=F0` or `index=ETA`. Without one a

@@ -1,7 +1,7 @@
 //! The fast model: how much light plates misplace as a machine makes them, without making any.
 //!
-//! Light is smeared by the slopes that passes, cuts and cusps leave ([`super::grain`]); what play, rounding and a polish that
-//! is not as meant do to the relief is read off a cell that is quickly designed ([`super::follow`]). Both scale: slopes
+//! Light is smeared by the slopes that passes, cuts and cusps leave (`grain`); what play, rounding and a polish that
+//! is not as meant do to the relief is read off a cell that is quickly designed (`follow`). Both scale: slopes
 //! do not know how large a plate is.
 
 use std::collections::BTreeMap;
