@@ -2,9 +2,6 @@
 
 use std::fmt::Write;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-
 use super::feeds::SOURCE;
 use super::programs::{Part, Shop, ShopFile, duration};
 use crate::gcode::check::Bounds;
@@ -19,8 +16,8 @@ pub struct Sheet<'a> {
     pub rim: Option<String>,
     /// How the light comes out, in a sentence, if that is known.
     pub verdict: Option<String>,
-    /// Pictures as PNG, each with what it shows.
-    pub pictures: Vec<(String, Vec<u8>)>,
+    /// Pictures, each with what it shows and its address: `data:` for one that is to be within the page.
+    pub pictures: Vec<(String, String)>,
     /// What a person should know.
     pub advice: &'a [String],
 }
@@ -58,12 +55,11 @@ impl Sheet<'_> {
             let items: String = self.advice.iter().map(|line| format!("<li>{}</li>", escaped(line))).collect();
             let _ = writeln!(page, "<section><h2>To be known</h2><ul>{items}</ul></section>");
         }
-        for (caption, png) in &self.pictures {
-            let data = STANDARD.encode(png);
-            let caption = escaped(caption);
+        for (caption, address) in &self.pictures {
+            let (caption, address) = (escaped(caption), escaped(address));
             let _ = writeln!(
                 page,
-                "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{data}\"><figcaption>{caption}</figcaption></figure>"
+                "<figure><img alt=\"{caption}\" src=\"{address}\"><figcaption>{caption}</figcaption></figure>"
             );
         }
         let _ = writeln!(

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use facetmill::cutter::Cutter;
 use facetmill::export::pixels::encode_png;
 use facetmill::gcode::dialect::Dialect;
@@ -200,7 +202,8 @@ fn sheet<'a>(
         BorderFinish::Sloped(_) => format!("a rim of {margin} mm that falls outward, to be filed and polished"),
     });
     let caption = "As drawn, as the machine makes it, and the difference: sharp above, through a blur of 1° below";
-    let picture = picture.and_then(|picture| Some((caption.to_owned(), encode_png(picture).ok()?)));
+    let address = |png: Vec<u8>| format!("data:image/png;base64,{}", STANDARD.encode(png));
+    let picture = picture.and_then(|picture| Some((caption.to_owned(), address(encode_png(picture).ok()?))));
     Sheet {
         shop,
         files,
