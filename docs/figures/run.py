@@ -254,6 +254,21 @@ def best_machining():
 
 
 @group
+def plans():
+    """docs/milling.md: what `plan` finds, expected and proved TV(1), SSIM(0.5); about three CPU minutes each."""
+    for machine, flags in [
+        ("desktop", "--hours 4 --size 100x100"),
+        ("desktop-good", "--hours 2 --size 30x30"),
+        ("vmc", "--hours 1 --size 30x30"),
+    ]:
+        best = report("portrait", f"--machine {machine} {flags}", "plan")["best"][0]
+        made = best["as_made"]
+        way = f"{made['cutter']}, {made['stepover_mm']} mm, {1000 * made['polish_mm']:.0f} um, {best['hours']:.2f} h"
+        proved = f"{tv(made):.4f} / {made['ssim']['0.5']:.3f}"
+        row(machine, way, f"expected {best['expected_tv_1deg']:.4f}", proved)
+
+
+@group
 def programs():
     """Programs for a machine: lines, CPU seconds of writing and of judging, what is left standing, TV(1) of the program."""
     with tempfile.TemporaryDirectory() as folder:
