@@ -165,6 +165,8 @@ pub mod fence;
 
 pub mod memory;
 
+pub mod golden;
+
 pub mod fourier;
 
 pub mod descent;

@@ -78,6 +78,11 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
+/// The polar angle of a direction from +z, radians; exact for tiny angles, where an arc cosine is not.
+pub fn polar_angle(w: DVec3) -> f64 {
+    w.x.hypot(w.y).atan2(w.z)
+}
+
 /// Where the flat plate sends light from `l`: the centre of every highlight image.
 pub fn flat_mirror(l: DVec3) -> DVec3 {
     DVec3::new(-l.x, -l.y, l.z)

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use thiserror::Error;
 
-use crate::slope::{direction, mirror};
+use crate::slope::{direction, mirror, polar_angle};
 use crate::verify::goniometer::table::{BrdfAxes, BrdfTable, TableError};
 
 /// Writes one line for each incident direction and each cell that light can leave through: the angles of light and
@@ -48,7 +48,7 @@ pub fn write_brdf_csv(table: &BrdfTable, out: &mut impl Write) -> io::Result<()>
                 "{:.4},{:.4},{:.4},{:.4},{value:e},{error:e}",
                 theta_i.to_degrees(),
                 phi_i.to_degrees(),
-                o.x.hypot(o.y).atan2(o.z).to_degrees(),
+                polar_angle(o).to_degrees(),
                 o.y.atan2(o.x).to_degrees(),
             )?;
         }

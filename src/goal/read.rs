@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::spec::{GoalFile, GoalSpec};
 use super::{Reflectance, of_model};
-use crate::brdf::model::lafortune::{Lafortune, LafortuneLobe};
+use crate::brdf::model::lafortune::{LafortuneLobe, lafortune};
 use crate::brdf::model::microfacets::{Microfacets, Shadowing};
 use crate::brdf::model::painted::{PaintedError, PaintedNormals};
 use crate::export::brdf_csv::{BrdfCsvError, read_brdf_csv};
@@ -59,7 +59,7 @@ pub(super) fn read(spec: &GoalSpec) -> Result<Read, GoalError> {
         GoalFile::Lafortune => {
             let lobes = lobes(path)?;
             let isotropic = lobes.iter().all(|lobe| lobe.direction.x == lobe.direction.y);
-            let model = Lafortune::new(lobes).ok_or_else(|| GoalError::Lobes { name, what: "no [[lobe]]".into() })?;
+            let model = lafortune(lobes).ok_or_else(|| GoalError::Lobes { name, what: "no [[lobe]]".into() })?;
             let all = of_model(model);
             Ok(Read { specular: Some(all.clone()), all, notes: Vec::new(), is_isotropic: isotropic, even: 0.0 })
         }

@@ -1,7 +1,7 @@
 //! A sheet beside the flat facets that the same recipe would make: which of the two puts more light right.
 
 use super::design::{Design, DesignError, design};
-use super::findings::Proof;
+use super::findings::{Proof, RimProof};
 use super::proof::send_over_milled_facets;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
@@ -93,10 +93,7 @@ fn scored(recipe: &Recipe, light: &Raster, proof: &Proof, progress: &Progress) -
         Some(cutter) => send_over_milled_facets(&plate.relief, cutter, mirrored)?.0,
     };
     // The rim is the same.
-    let measurement = match &proof.rim {
-        Some(rim) if rim.counts => rim.light.over(measurement),
-        _ => measurement,
-    };
+    let measurement = RimProof::over(proof.rim.as_ref(), measurement);
     let (image, up) = (measurement.whole.lit_image(), measurement.whole.up());
     let scores = blurred_scores(&image, up, &proof.target, setup.view(), MAIN_BLUR.to_radians());
     Ok(scores.map(|scores| Score { misplaced: scores.tv_incident, ssim: scores.ssim }))

@@ -46,6 +46,16 @@ pub struct RimProof {
     pub counts: bool,
 }
 
+impl RimProof {
+    /// `measurement` of the optical area with the light of `rim` over its image, where there is one and it counts.
+    pub fn over(rim: Option<&Self>, measurement: Measurement) -> Measurement {
+        match rim {
+            Some(rim) if rim.counts => rim.light.over(measurement),
+            _ => measurement,
+        }
+    }
+}
+
 /// How a sheet looks in parts, and to diffraction; after its cutter, if it was designed for one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetProof {

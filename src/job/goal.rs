@@ -12,7 +12,7 @@ use crate::raster::Raster;
 use crate::recipe::Recipe;
 use crate::report::goal::{GoalFacts, GoalSlice};
 use crate::setup::Setup;
-use crate::slope::direction;
+use crate::slope::{direction, polar_angle};
 use crate::trace::grid::GridSurface;
 use crate::trace::traced_plate::{Task, TracedPlate};
 use crate::verify::experiment::Measuring;
@@ -117,7 +117,7 @@ fn compared(
     progress: &Progress,
 ) -> Result<Compared, DesignError> {
     let designed = &design.distribution.setup;
-    let theta = light.x.hypot(light.y).atan2(light.z);
+    let theta = polar_angle(light);
     let setup = Setup::watched(theta, light.y.atan2(light.x), hemisphere_view());
     let measuring = Measuring { resolution: SIDE, ..recipe.measuring() };
     let metal = recipe.metal();

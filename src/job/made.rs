@@ -5,9 +5,11 @@ use rayon::prelude::*;
 
 use super::design::{Design, DesignError};
 use super::findings::{MadeProof, Proof, RimProof};
+use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
 use crate::milling::made::Machining;
 use crate::milling::passes::Ways;
+use crate::milling::polish::in_words;
 use crate::progress::{Progress, Stage};
 use crate::projection::View;
 use crate::raster::Raster;
@@ -15,11 +17,12 @@ use crate::recipe::Recipe;
 use crate::relief::mesh::Mesh;
 use crate::relief::open::OpenRelief;
 use crate::report::made::MadeFacts;
+use crate::setup::Setup;
 use crate::sharpen::{BlurKernel, seen};
 use crate::slope::{Slope, angle_between, mirror};
 use crate::trace::path::{End, Fate};
 use crate::trace::traced_plate::TracedPlate;
-use crate::verify::experiment::{HighlightImage, Sensor};
+use crate::verify::experiment::{HighlightImage, Measuring, Sensor};
 use crate::verify::measure::Mirrored;
 use crate::verify::tally::{MeasureError, Measurement, PARTS, Tally};
 use crate::verify::verdict::Verdict;
@@ -45,12 +48,35 @@ pub fn made_by_machine(
     progress: &Progress,
 ) -> Result<Option<MadeProof>, DesignError> {
     let Some(machining) = recipe.machining()? else { return Ok(None) };
-    let setup = &design.distribution.setup;
-    let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(setup));
-    let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
+    let lighting = Lighting::new(recipe, &design.distribution.setup);
     let plate = (&design.mesh, DVec2::from(recipe.plate.size), recipe.plate.border);
-    let seen = Seen { target: &proof.target, blur: blur.as_ref(), rim: proof.rim.as_ref() };
-    prove_as_made(&machining, plate, seen, recipe.draws(), mirrored).map(Some)
+    let seen = lighting.seen(&proof.target, proof.rim.as_ref());
+    prove_as_made(&machining, plate, seen, recipe.draws(), lighting.mirrored(progress)).map(Some)
+}
+
+/// How the plates of a recipe are lit, and through what they are seen.
+pub struct Lighting<'a> {
+    setup: &'a Setup,
+    metal: Material,
+    measuring: Measuring,
+    blur: Option<BlurKernel>,
+}
+
+impl<'a> Lighting<'a> {
+    /// As `recipe` says, light and image as `setup` has them.
+    pub fn new(recipe: &Recipe, setup: &'a Setup) -> Self {
+        Self { setup, metal: recipe.metal(), measuring: recipe.measuring(), blur: recipe.blur(setup) }
+    }
+
+    /// Light to be sent over a surface of it.
+    pub fn mirrored<'b>(&'b self, progress: &'b Progress<'b>) -> Mirrored<'b> {
+        Mirrored { setup: self.setup, metal: &self.metal, measuring: &self.measuring, progress }
+    }
+
+    /// Beside `target`, and with the light of `rim`.
+    pub fn seen<'b>(&'b self, target: &'b Raster, rim: Option<&'b RimProof>) -> Seen<'b> {
+        Seen { target, blur: self.blur.as_ref(), rim }
+    }
 }
 
 /// What a plate as made is looked at beside, and what is seen with it.
@@ -78,8 +104,7 @@ pub fn prove_as_made(
 ) -> Result<MadeProof, DesignError> {
     let progress = mirrored.progress;
     progress.stage(Stage::Milling);
-    let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress);
-    progress.check()?;
+    let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress)?;
     prove_along(machining, &ways, seen, draws, mirrored)
 }
 
@@ -101,26 +126,20 @@ pub fn prove_along(
         if draw > 0 {
             progress.stage(Stage::Milling);
         }
-        let measurement = match machining.polish {
-            Some(_) => {
-                let surface = machining.polished(ways, draw, progress);
-                progress.check()?;
-                let surface = surface.ok_or(DesignError::NoLight)?;
+        let measurement = match machining.polished(ways, draw, progress)? {
+            Some(surface) => {
                 let light = traced(&surface, mirrored)?;
                 first.get_or_insert(surface);
-                Ok(light)
+                light
             }
             None => {
                 let surface = machining.bare(ways, draw);
-                bare(|k, rows| surface.slopes(k, rows), blur, mirrored)
+                bare(|k, rows| surface.slopes(k, rows), blur, mirrored)?
             }
         };
         progress.check()?;
         progress.stage(Stage::Scoring);
-        let measurement = match rim {
-            Some(rim) if rim.counts => rim.light.over(measurement?),
-            _ => measurement?,
-        };
+        let measurement = RimProof::over(rim, measurement);
         let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
         found.push((measurement, verdict));
     }
@@ -135,8 +154,7 @@ impl MadeProof {
     /// By what and with what, such as `vmc makes it with ball:0.5, polished 40 µm`.
     pub fn how(&self) -> String {
         let Machining { machine, cutter, polish, .. } = &self.machining;
-        let polish = polish.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
-        format!("{} makes it with {cutter}, {polish}", machine.name)
+        format!("{} makes it with {cutter}, {}", machine.name, in_words(*polish))
     }
 
     /// What a report says of it.

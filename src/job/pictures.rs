@@ -6,6 +6,7 @@ use crate::export::comparison::{Comparison, ComparisonPage};
 use crate::export::pixels::{common_white, tone_mapped};
 use crate::job::findings::Proof;
 use crate::job::wall_pictures::wall_page;
+use crate::milling::polish::in_words;
 use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
 use crate::raster::Raster;
@@ -61,8 +62,7 @@ impl ProofPictures {
             drawn.beside(&image, &milled.verdict, &how)
         });
         let made = proof.made.as_ref().map(|made| {
-            let polish =
-                made.machining.polish.map_or(String::new(), |sigma| format!(", polished {:.0} µm", 1e3 * sigma));
+            let polish = made.machining.polish.map_or(String::new(), |sigma| format!(", {}", in_words(Some(sigma))));
             let how = format!("by {}{polish}, ", made.machining.machine.name);
             drawn.beside(&as_drawn(&made.measurement.whole.lit_image(), recipe), &made.verdict, &how)
         });

@@ -50,10 +50,7 @@ pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progre
     });
     let judged = |measurement: Measurement| {
         progress.stage(Stage::Scoring);
-        let measurement = match &rim {
-            Some(rim) if rim.counts => rim.light.over(measurement),
-            _ => measurement,
-        };
+        let measurement = RimProof::over(rim.as_ref(), measurement);
         let verdict = Verdict::new(&measurement, &target, setup.view(), progress)?;
         Ok::<_, DesignError>((measurement, verdict))
     };

@@ -3,7 +3,9 @@
 use glam::DVec2;
 
 use super::design::DesignError;
+use super::findings::RimProof;
 use super::made::{Seen, bare, traced};
+use crate::golden::golden;
 use crate::milling::swept::Swept;
 use crate::progress::Stage;
 use crate::relief::open::OpenRelief;
@@ -39,17 +41,13 @@ pub fn prove_swept(
 ) -> Result<SweptProof, DesignError> {
     let progress = mirrored.progress;
     progress.stage(Stage::Milling);
-    let surface = polish.and_then(|sigma| swept.polished(plate, sigma, uncut, progress));
-    progress.check()?;
+    let surface = polish.map(|sigma| swept.polished(plate, sigma, uncut, progress)).transpose()?;
     let measurement = match &surface {
         Some(surface) => traced(surface, mirrored)?,
         None => bare(|k, rows| slopes(swept, plate, k, rows), blur, mirrored)?,
     };
     progress.stage(Stage::Scoring);
-    let measurement = match rim {
-        Some(rim) if rim.counts => rim.light.over(measurement),
-        _ => measurement,
-    };
+    let measurement = RimProof::over(rim, measurement);
     let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
     Ok(SweptProof { surface, measurement, verdict })
 }
@@ -57,7 +55,6 @@ pub fn prove_swept(
 /// Slopes along row `k` of `rows`; where nothing has passed the stock is level.
 fn slopes(swept: &Swept, plate: DVec2, k: usize, rows: usize) -> Vec<DVec2> {
     // Rows and their shifts keep no step with passes.
-    let golden = |k: usize| (k as f64 * 0.618_033_988_749_894_9).fract();
     let y = plate.y * (k as f64 + golden(7 * k + 3)) / rows as f64;
     let x = |i: usize| plate.x * (i as f64 + golden(k + 5 * i)) / SLOPES_A_ROW as f64;
     let slope = |i: usize| swept.spot(DVec2::new(x(i), y)).map_or(DVec2::ZERO, |spot| spot.slope);

@@ -10,17 +10,14 @@ use rayon::prelude::*;
 
 use super::machine::Machine;
 use super::passes::{Frame, Passes, Ways};
-use super::polish::{taps, thinned};
-use super::sweep::{Sweep, even};
+use super::polish::{NODES, Nodes};
+use super::sweep::Sweep;
 use super::tip::TipHeights;
 use crate::cutter::{Cutter, Profile};
-use crate::progress::Progress;
+use crate::golden::golden;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::OpenRelief;
-
-/// Nodes of a polished surface are so many standard deviations of the polish apart: of waves of two nodes, the shortest
-/// that they hold, e^-20 is left.
-const NODES: f64 = 0.5;
 
 /// Samples before polish, a standard deviation of it: what is finer than those is averaged away by a thousand of them.
 const SAMPLES: f64 = 12.0;
@@ -66,13 +63,19 @@ impl Machining {
     }
 
     /// Where the tip should be, over the triangles of `mesh` that face up, for a plate of `plate` mm whose lower left corner
-    /// is x = y = 0; of no use if the work is abandoned meanwhile.
-    pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Ways {
+    /// is x = y = 0.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn ways(&self, mesh: &Mesh, plate: DVec2, progress: &Progress) -> Result<Ways, Cancelled> {
         self.ways_over(&self.tips(mesh), plate, progress)
     }
 
     /// The same over triangles that are sorted already.
-    pub fn ways_over(&self, tips: &TipHeights, plate: DVec2, progress: &Progress) -> Ways {
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn ways_over(&self, tips: &TipHeights, plate: DVec2, progress: &Progress) -> Result<Ways, Cancelled> {
         Ways::new(tips, plate, &self.passes, [self.place(), self.machine.quantum()], progress)
     }
 
@@ -93,38 +96,22 @@ impl Machining {
         (if feed > 0.0 { feed } else { self.passes.stepover }) / BARE_TOOTH
     }
 
-    /// The plate as draw number `draw` of the machine's errors leaves it and as it is polished.
+    /// The plate as draw number `draw` of the machine's errors leaves it and as it is polished; `None` without polish.
     ///
-    /// `None` without polish, or if the work is abandoned.
-    pub fn polished(&self, ways: &Ways, draw: u64, progress: &Progress) -> Option<OpenRelief> {
-        let sigma = self.polish?;
-        let squares = (ways.frame.size / (NODES * sigma)).ceil().max(DVec2::ONE);
-        let apart = (ways.frame.size / squares).to_array();
-        let [columns, rows] = squares.to_array().map(|n| n as usize + 1);
+    /// # Errors
+    /// The work is abandoned.
+    pub fn polished(&self, ways: &Ways, draw: u64, progress: &Progress) -> Result<Option<OpenRelief>, Cancelled> {
+        let Some(sigma) = self.polish else { return Ok(None) };
+        let nodes = Nodes::new(ways.frame.size, sigma);
         let finer = |apart: f64, wanted: f64| (apart / wanted).ceil().max(1.0) as usize;
-        let every = [finer(apart[0], self.polished_sample(sigma)), finer(apart[1], self.passes.stepover / ROWS_A_PASS)];
-        let sweep = self.sweep(ways, apart[0] / every[0] as f64, draw);
-        let across = apart[1] / every[1] as f64;
-        let along = taps(sigma / sweep.step());
-        let count = (rows - 1) * every[1] + 1;
-        let mut fine = vec![0.0f32; columns * count];
-        fine.par_chunks_mut(columns).enumerate().for_each_init(
-            || vec![0.0; sweep.columns()],
-            |row, (k, out)| {
-                if progress.is_abandoned() {
-                    return;
-                }
-                if k % 256 == 0 {
-                    progress.fraction(k as f64 / count as f64);
-                }
-                sweep.row(across * k as f64, row);
-                thinned(row, &along, every[0], out);
-            },
-        );
-        progress.check().ok()?;
-        let smooth = down(&fine, columns, &taps(sigma / across), every[1]);
-        drop(fine);
-        Some(on_plate(&ways.frame, smooth, [columns, rows]))
+        let every = [
+            finer(nodes.apart.x, self.polished_sample(sigma)),
+            finer(nodes.apart.y, self.passes.stepover / ROWS_A_PASS),
+        ];
+        let sweep = self.sweep(ways, nodes.apart.x / every[0] as f64, draw);
+        let across = nodes.apart.y / every[1] as f64;
+        let smooth = nodes.polished(every, |k, row| sweep.row(across * k as f64, row), progress)?;
+        Ok(Some(on_plate(&ways.frame, smooth, nodes.count)))
     }
 
     /// The plate as draw number `draw` of the machine's errors leaves it, without polish.
@@ -210,8 +197,8 @@ impl BareSurface {
     pub fn slopes(&self, k: usize, rows: usize) -> Vec<DVec2> {
         let frame = self.sweep.frame();
         // Rows and their shifts keep no step with passes and teeth.
-        let y = frame.size.y * (k as f64 + even(7 * k + 3)) / rows as f64;
-        let shift = self.sweep.step() * even(k);
+        let y = frame.size.y * (k as f64 + golden(7 * k + 3)) / rows as f64;
+        let shift = self.sweep.step() * golden(k);
         let mut slopes = vec![DVec2::NAN; self.sweep.columns() - 1];
         self.sweep.slopes(y, shift, &mut slopes);
         for (i, slope) in slopes.iter_mut().enumerate() {
@@ -254,45 +241,6 @@ pub enum MachiningError {
         /// The most, mm.
         most: f64,
     },
-}
-
-/// Columns smoothed, of whose rows every `every`-th is kept.
-pub(super) fn down(rows: &[f32], columns: usize, taps: &[f64], every: usize) -> Vec<f32> {
-    let count = rows.len() / columns;
-    let kept = (count - 1) / every + 1;
-    let mut out = vec![0.0f32; columns * kept];
-    out.par_chunks_mut(columns).enumerate().for_each_init(
-        || vec![0.0f64; columns],
-        |sum, (n, out)| {
-            let at = (n * every) as isize;
-            sum.fill(0.0);
-            for (j, tap) in taps.iter().enumerate() {
-                let sides: &[isize] = if j == 0 { &[0] } else { &[-1, 1] };
-                for side in sides {
-                    add(sum, rows, columns, (at + side * j as isize, count as isize - 1), *tap);
-                }
-            }
-            out.iter_mut().zip(sum.iter()).for_each(|(out, sum)| *out = *sum as f32);
-        },
-    );
-    out
-}
-
-/// Adds `weight` times row `k` of rows up to `last`; beyond the first and the last they go on turned about these.
-fn add(sum: &mut [f64], rows: &[f32], columns: usize, (k, last): (isize, isize), weight: f64) {
-    let row = |k: isize| {
-        let begin = k.clamp(0, last) as usize * columns;
-        &rows[begin..begin + columns]
-    };
-    let mut one =
-        |k: isize, weight: f64| sum.iter_mut().zip(row(k)).for_each(|(sum, z)| *sum += weight * f64::from(*z));
-    if (0..=last).contains(&k) {
-        one(k, weight);
-    } else {
-        let rim = if k < 0 { 0 } else { last };
-        one(rim, 2.0 * weight);
-        one(2 * rim - k, -weight);
-    }
 }
 
 /// A grid of the frame at the nodes of the plate, as far apart.

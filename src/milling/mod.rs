@@ -5,7 +5,7 @@ pub mod machine;
 
 mod random;
 
-mod polish;
+pub mod polish;
 
 pub mod tip;
 

@@ -7,7 +7,7 @@ use super::machine::Machine;
 use super::tip::TipHeights;
 use super::track::{Way, whole};
 use crate::cutter::Profile;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 
 /// Slope up to which contacts beyond the plate's rim are wanted: steeper than any relief that throws a highlight.
 const STEEPEST: f64 = 0.6;
@@ -86,32 +86,37 @@ pub struct Ways {
 
 impl Ways {
     /// Leads the cutter over a plate of `plate` mm whose lower left corner is x = y = 0, at places `step` mm apart along
-    /// each pass, and passes at whole multiples of `quantum` mm; of no use if the work is abandoned meanwhile.
+    /// each pass, and passes at whole multiples of `quantum` mm.
+    ///
+    /// # Errors
+    /// The work is abandoned.
     pub fn new(
         tips: &TipHeights,
         plate: DVec2,
         passes: &Passes,
         [step, quantum]: [f64; 2],
         progress: &Progress,
-    ) -> Self {
+    ) -> Result<Self, Cancelled> {
         let profile = tips.profile();
         let frame = Frame::new(plate, passes.angle);
         let overrun = overrun(profile);
         let (beyond, count) = count(&frame, overrun, passes.stepover);
         let along = ((frame.size.x + 2.0 * overrun) / step).ceil() as usize + 1;
-        let ways: Vec<(f64, Way)> = (0..count)
+        let ways = (0..count)
             .into_par_iter()
             .map(|k| {
                 let y = whole((k as f64 + 0.5 - beyond) * passes.stepover, quantum);
                 let at = |i: usize| DVec2::new(step * i as f64 - overrun, y);
-                let tip = |i: usize| if progress.is_abandoned() { 0.0 } else { tips.at(frame.on_plate(at(i))) };
+                progress.check()?;
+                let tip = |i: usize| tips.at(frame.on_plate(at(i)));
                 if k % 64 == 0 {
                     progress.fraction(k as f64 / count as f64);
                 }
-                (y, Way { from: -overrun, step, heights: (0..along).map(tip).collect() })
+                Ok((y, Way { from: -overrun, step, heights: (0..along).map(tip).collect() }))
             })
-            .collect();
-        Self { frame, overrun, stepover: passes.stepover, steepest: steepest(&ways, &frame), ways }.grounded()
+            .collect::<Result<Vec<(f64, Way)>, Cancelled>>()?;
+        let steepest = steepest(&ways, &frame);
+        Ok(Self { frame, overrun, stepover: passes.stepover, steepest, ways }.grounded())
     }
 
     /// Size of the plate, mm.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::tip::TipHeights;
 use crate::cutter::Cutter;
 use crate::gcode::reduce::reduced;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 
 /// Places of the tip along a pass, for each radius of the cutter.
@@ -54,21 +54,31 @@ impl Roughing {
     }
 
     /// The tip's ways, mm, over `tips` of a plate from corner `low` to `high`, in the mesh's own frame and in the order of
-    /// cutting: level by level, each as far as it takes something away; of no use if the work is abandoned meanwhile.
-    pub fn tracks(&self, tips: &TipHeights, [low, high]: [DVec2; 2], top: f64, progress: &Progress) -> Vec<Vec<DVec3>> {
+    /// cutting: level by level, each as far as it takes something away.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn tracks(
+        &self,
+        tips: &TipHeights,
+        [low, high]: [DVec2; 2],
+        top: f64,
+        progress: &Progress,
+    ) -> Result<Vec<Vec<DVec3>>, Cancelled> {
         let beyond = self.cutter.reach() + BESIDE;
         let (from, length) = (low.x - beyond, high.x - low.x + 2.0 * beyond);
         let places = (length / (self.cutter.reach() / PLACES_A_RADIUS)).ceil().max(2.0);
         let at = |i: usize| from + length * i as f64 / places;
         let count = ((high.y - low.y) / self.stepover).ceil().max(1.0);
-        let rows: Vec<(f64, Vec<f64>)> = (0..=count as usize)
+        let rows = (0..=count as usize)
             .into_par_iter()
             .map(|k| {
                 let y = low.y + (high.y - low.y) * k as f64 / count;
-                let tip = |i: usize| if progress.is_abandoned() { 0.0 } else { tips.at(DVec2::new(at(i), y)) };
-                (y, widened(&(0..=places as usize).map(tip).collect::<Vec<f64>>()))
+                progress.check()?;
+                let tip = |i: usize| tips.at(DVec2::new(at(i), y));
+                Ok((y, widened(&(0..=places as usize).map(tip).collect::<Vec<f64>>())))
             })
-            .collect();
+            .collect::<Result<Vec<(f64, Vec<f64>)>, Cancelled>>()?;
         let lowest = rows.iter().flat_map(|(_, row)| row).copied().filter(|z| z.is_finite()).fold(top, f64::min);
         let levels = ((top - lowest) / self.step).ceil().clamp(1.0, MOST_LEVELS);
         let step = (top - lowest) / levels;
@@ -87,7 +97,7 @@ impl Roughing {
                 }
             }
         }
-        tracks
+        Ok(tracks)
     }
 
     /// The triangles that face up, those of the optical area higher by the allowance.
@@ -154,7 +164,7 @@ mod tests {
         let block = Block { mesh: &mesh, optical };
         let tips = roughing.tips(&block);
         let box_of = [DVec2::ZERO, DVec2::new(10.0, 6.0)];
-        let tracks = roughing.tracks(&tips, box_of, 2.3, &Progress::silent());
+        let tracks = roughing.tracks(&tips, box_of, 2.3, &Progress::silent()).unwrap();
         let lowest = |x: f64| {
             let pieces = tracks.iter().flat_map(|track| track.windows(2));
             let over = pieces.filter(|ends| (ends[0].x - x) * (ends[1].x - x) <= 0.0);

@@ -183,8 +183,3 @@ impl Sweep {
         }
     }
 }
-
-/// Even shifts of rows against each other: multiples of the golden section, which fill [0, 1) evenly from the first on.
-pub(super) fn even(k: usize) -> f64 {
-    (k as f64 * 0.618_033_988_749_894_9).fract()
-}

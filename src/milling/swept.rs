@@ -4,13 +4,11 @@
 //! answer is exact for any moves in any direction, with nothing rounded to a grid.
 
 use glam::{DMat2, DVec2, DVec3};
-use rayon::prelude::*;
 
-use super::made::down;
-use super::polish::{taps, thinned};
+use super::polish::Nodes;
 use super::tip::tree::{Piece, Tree, Underside};
 use crate::cutter::Profile;
-use crate::progress::Progress;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::open::OpenRelief;
 
 /// Longest piece of a move, as a multiple of the mean distance of its neighbours: blocks of pieces are then about square.
@@ -21,9 +19,6 @@ const SHORTEST_PIECE: f64 = 0.01;
 
 /// Most pieces, beside those that moves are by themselves.
 const MOST_PIECES: f64 = 4e6;
-
-/// Nodes of a polished surface are so many standard deviations of the polish apart, as on a plate that a machine makes.
-const NODES: f64 = 0.5;
 
 /// Samples before polish from one node to the next, along x and along y. Of passes just two samples apart their mean is a
 /// sixth of a cusp too high, the same everywhere; others are met at many places of their cusps.
@@ -146,33 +141,21 @@ impl Swept {
     }
 
     /// The surface over a plate of `size` mm whose lower left corner is x = y = 0, polished by a Gaussian of `sigma` mm; where
-    /// nothing has passed it is `uncut` mm high. `None` if the work is abandoned.
-    pub fn polished(&self, size: DVec2, sigma: f64, uncut: f64, progress: &Progress) -> Option<OpenRelief> {
-        let squares = (size / (NODES * sigma)).ceil().max(DVec2::ONE);
-        let step = size / squares;
-        let [columns, rows] = squares.to_array().map(|n| n as usize + 1);
-        let fine = step / FINER as f64;
-        let (width, count) = ((columns - 1) * FINER + 1, (rows - 1) * FINER + 1);
-        let along = taps(sigma / fine.x);
-        let mut thin = vec![0.0f32; columns * count];
-        thin.par_chunks_mut(columns).enumerate().for_each_init(
-            || vec![0.0f32; width],
-            |row, (k, out)| {
-                if progress.is_abandoned() {
-                    return;
-                }
-                if k % 64 == 0 {
-                    progress.fraction(k as f64 / count as f64);
-                }
-                for (i, z) in row.iter_mut().enumerate() {
-                    let place = fine * DVec2::new(i as f64, k as f64);
-                    *z = self.height(place).map_or(uncut, |height| height.min(uncut)) as f32;
-                }
-                thinned(row, &along, FINER, out);
-            },
-        );
-        progress.check().ok()?;
-        Some(OpenRelief { nodes: [columns, rows], step, heights: down(&thin, columns, &taps(sigma / fine.y), FINER) })
+    /// nothing has passed it is `uncut` mm high.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn polished(&self, size: DVec2, sigma: f64, uncut: f64, progress: &Progress) -> Result<OpenRelief, Cancelled> {
+        let nodes = Nodes::new(size, sigma);
+        let fine = nodes.apart / FINER as f64;
+        let row = |k: usize, row: &mut [f32]| {
+            for (i, z) in row.iter_mut().enumerate() {
+                let place = fine * DVec2::new(i as f64, k as f64);
+                *z = self.height(place).map_or(uncut, |height| height.min(uncut)) as f32;
+            }
+        };
+        let heights = nodes.polished([FINER; 2], row, progress)?;
+        Ok(OpenRelief { nodes: nodes.count, step: nodes.apart, heights })
     }
 }
 

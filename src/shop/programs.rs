@@ -145,8 +145,7 @@ impl Shop {
         // Roughing is judged against the plate with its allowance, which is more than against the plate itself.
         let rough_tips = self.roughing.tips(&Block { mesh, optical: self.blank.optical() });
         progress.check()?;
-        let mut roughing = self.roughing.tracks(&rough_tips, self.blank.corners(), self.blank.top(), progress);
-        progress.check()?;
+        let mut roughing = self.roughing.tracks(&rough_tips, self.blank.corners(), self.blank.top(), progress)?;
         roughing.iter_mut().flatten().for_each(|point| *point -= self.blank.zero());
         let air = self.in_the_air(&finishing);
         let mut files = Vec::new();

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::gcode::check::Amiss;
 use crate::gcode::program::{Move, Program};
+use crate::golden::golden;
 use crate::milling::swept::{Spot, Stroke, Swept};
 use crate::milling::tip::TipHeights;
 use crate::progress::{Cancelled, Progress};
@@ -97,7 +98,6 @@ impl Wanted<'_> {
                 }
                 let at = |i: usize| {
                     // Rows and columns keep no step with passes.
-                    let golden = |k: usize| (k as f64 * 0.618_033_988_749_894_9).fract();
                     let share = DVec2::new(i as f64 + golden(7 * j + 3), j as f64 + golden(i + 11 * j));
                     low + (high - low) * share / PLACES as f64
                 };

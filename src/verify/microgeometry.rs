@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::first_bounce::{Beams, scattered};
 use crate::progress::{Cancelled, Progress};
-use crate::slope::{direction, flat_mirror};
+use crate::slope::{direction, flat_mirror, polar_angle};
 use crate::trace::{Hit, Surface};
 
 /// The distribution of a relief's normals on a grid of directions.
@@ -45,7 +45,7 @@ impl NormalDistribution {
             area += footprint / m.z;
             squares[0] += footprint * (m.x / m.z).powi(2);
             squares[1] += footprint * (m.y / m.z).powi(2);
-            let u = (m.x.hypot(m.y).atan2(m.z) / FRAC_PI_2).sqrt();
+            let u = (polar_angle(m) / FRAC_PI_2).sqrt();
             let v = (m.y.atan2(m.x) + PI) / TAU;
             let cell = |at: f64, n: usize| ((at * n as f64) as usize).min(n - 1);
             density[cell(v, rows) * columns + cell(u, columns)] += footprint / m.z;

@@ -10,6 +10,7 @@ use facetmill::progress::Progress;
 use facetmill::shop::check::{Against, judged};
 use facetmill::shop::programs::Shop;
 use facetmill::shop::surface::{Wanted, strokes};
+use rayon::prelude::*;
 
 use crate::shop::{finishing, shop, wavy};
 
@@ -62,26 +63,35 @@ fn of_a_thousand_changed_digits_that_do_harm_at_least_990_are_caught_without_the
     let good = read(body.as_bytes(), None).unwrap().program;
     let (surface, clear) = (heights(&shop, &good), lowest_rapid(&good));
     let digits: Vec<usize> = body.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
-    let (mut state, mut harmful, mut missed) = (7_u64, 0, Vec::new());
-    while harmful < CHANGES {
+    let does_harm = |changed: &[u8]| match read(changed, None) {
+        Err(_) => true,
+        Ok(read) if read.fault_count > 0 || extent(&read.program).cuts.is_none() => true,
+        Ok(read) => {
+            let off =
+                heights(&shop, &read.program).iter().zip(&surface).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            off > 1e-3 || lowest_rapid(&read.program) < clear
+        }
+    };
+    let mut state = 7_u64;
+    let mut change = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mut changed = body.as_bytes().to_vec();
         let at = digits[(state >> 33) as usize % digits.len()];
         changed[at] = b'0' + (changed[at] - b'0' + 1 + (state >> 20) as u8 % 9) % 10;
-        let harm = match read(&changed, None) {
-            Err(_) => true,
-            Ok(read) if read.fault_count > 0 || extent(&read.program).cuts.is_none() => true,
-            Ok(read) => {
-                let off =
-                    heights(&shop, &read.program).iter().zip(&surface).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                off > 1e-3 || lowest_rapid(&read.program) < clear
-            }
-        };
-        if harm {
+        (at, changed)
+    };
+    let (mut harmful, mut missed) = (0, Vec::new());
+    while harmful < CHANGES {
+        // So many at once, for all threads, and counted in their order.
+        let some: Vec<(usize, Vec<u8>)> = (0..64).map(|_| change()).collect();
+        let outcomes = some.par_iter().map(|(_, changed)| does_harm(changed).then(|| caught(changed)));
+        let outcomes: Vec<Option<bool>> = outcomes.collect();
+        let of_harm = some.iter().zip(outcomes).filter_map(|(one, caught)| Some((one, caught?)));
+        for ((at, changed), caught) in of_harm.take(CHANGES - harmful) {
             harmful += 1;
-            if !caught(&changed) {
-                let line = changed[..at].iter().filter(|byte| **byte == b'\n').count();
-                missed.push(String::from_utf8_lossy(&changed).lines().nth(line).unwrap_or_default().to_owned());
+            if !caught {
+                let line = changed[..*at].iter().filter(|byte| **byte == b'\n').count();
+                missed.push(String::from_utf8_lossy(changed).lines().nth(line).unwrap_or_default().to_owned());
             }
         }
     }

@@ -53,7 +53,7 @@ pub fn shop(mesh: &Mesh, degrees: f64, dialect: Dialect) -> Shop {
 pub fn finishing(shop: &Shop, mesh: &Mesh) -> (ShopFile, TipHeights, Ways) {
     let (machining, progress) = (shop.finishing(), Progress::silent());
     let tips = machining.tips(mesh);
-    let ways = machining.ways_over(&tips, shop.blank.optical_size(), &progress);
+    let ways = machining.ways_over(&tips, shop.blank.optical_size(), &progress).unwrap();
     let files = shop.programs(mesh, &tips, &ways, &progress).unwrap();
     (files.into_iter().find(|file| file.part == Part::Finishing).unwrap(), tips, ways)
 }

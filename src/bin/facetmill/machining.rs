@@ -4,14 +4,13 @@ use std::path::Path;
 
 use facetmill::glam::DVec2;
 use facetmill::job::findings::{MadeProof, Proof};
-use facetmill::job::made::{Seen, prove_as_made};
+use facetmill::job::made::{Lighting, prove_as_made};
 use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::{Machine, PRESETS};
 use facetmill::milling::made::Machining;
 use facetmill::progress::Progress;
 use facetmill::recipe::{MachiningSettings, Recipe};
 use facetmill::setup::Setup;
-use facetmill::verify::measure::Mirrored;
 
 use crate::args::{MachineArgs, MachiningArgs};
 use crate::console::Failure;
@@ -102,11 +101,9 @@ impl Task {
         (proof, setup): (&Proof, &Setup),
         progress: &Progress,
     ) -> Result<MadeProof, Failure> {
-        let metal = recipe.metal();
-        let measuring = recipe.measuring();
-        let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
-        let blur = recipe.blur(setup);
-        let seen = Seen { target: &proof.target, blur: blur.as_ref(), rim: proof.rim.as_ref() };
-        Ok(prove_as_made(&self.machining, (&opened.mesh, self.plate, margin), seen, self.draws, mirrored)?)
+        let lighting = Lighting::new(recipe, setup);
+        let seen = lighting.seen(&proof.target, proof.rim.as_ref());
+        let plate = (&opened.mesh, self.plate, margin);
+        Ok(prove_as_made(&self.machining, plate, seen, self.draws, lighting.mirrored(progress))?)
     }
 }

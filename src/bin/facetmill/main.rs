@@ -18,6 +18,8 @@ mod stages;
 
 mod inputs;
 
+mod ranges;
+
 mod plates;
 
 mod interrupt;

@@ -10,7 +10,7 @@ use facetmill::gcode::dialect::Dialect;
 use facetmill::image::RgbImage;
 use facetmill::job::design::DesignError;
 use facetmill::job::findings::MadeProof;
-use facetmill::job::made::{Seen, prove_along};
+use facetmill::job::made::{Lighting, prove_along};
 use facetmill::job::pictures::ProofPictures;
 use facetmill::job::{exports, in_a_sentence};
 use facetmill::memory::{MemoryLimit, Need};
@@ -25,7 +25,6 @@ use facetmill::shop::blank::Blank;
 use facetmill::shop::feeds::Spindle;
 use facetmill::shop::programs::{Shop, ShopError, ShopFile, usual_roughing};
 use facetmill::shop::sheet::Sheet;
-use facetmill::verify::measure::Mirrored;
 
 use crate::args::MillArgs;
 use crate::console::{Failure, Table, tell};
@@ -33,6 +32,7 @@ use crate::drawn::Drawn;
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
+use crate::ranges::within;
 use crate::stages::Stages;
 use crate::{drawn, inputs, machining, mill_tables, plates, program_check};
 
@@ -44,7 +44,7 @@ const ALLOWANCE: f64 = 0.1;
 
 /// Does what `args` say.
 pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
-    within(args)?;
+    check(args)?;
     match (&args.check, &args.output) {
         (Some(file), _) => program_check::run(args, file, run),
         (None, Some(output)) => written(args, output, run),
@@ -66,8 +66,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let border = if plate.is_dir() { recipe.plate.border } else { 0.0 };
-    let margin = args.margin.unwrap_or(border);
+    let margin = plates::margin(args.margin, plate, &recipe);
     let limit = args.running.memory();
     let nothing = Need::new(0.0, "the programs", "take a wider --stepover");
     let opened = plates::open(&stl, margin, &args.placing, (limit, nothing), &progress)?;
@@ -84,8 +83,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     });
     progress.stage(Stage::Programs);
     let tips = machining.tips(&opened.mesh.at_optical_corner(margin));
-    let ways = machining.ways_over(&tips, plate, &progress);
-    progress.check()?;
+    let ways = machining.ways_over(&tips, plate, &progress)?;
     let files = shop.programs(&opened.mesh, &tips, &ways, &progress)?;
     let mut advice = advice(&shop, &opened, &recipe, margin);
     let made = match drawn {
@@ -163,11 +161,9 @@ fn made(
 ) -> Result<Option<MadeProof>, Failure> {
     let remedy = "take a wider --stepover or --polish, or leave the proof out with --no-verify";
     limit.admit(Need::new(machining.bytes(ways.plate()), "the surface as made", remedy))?;
-    let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(&drawn.setup));
-    let mirrored = Mirrored { setup: &drawn.setup, metal: &metal, measuring: &measuring, progress };
-    let seen = Seen { target: &drawn.target, blur: blur.as_ref(), rim: None };
+    let lighting = Lighting::new(recipe, &drawn.setup);
     progress.stage(Stage::Milling);
-    match prove_along(machining, ways, seen, 1, mirrored) {
+    match prove_along(machining, ways, lighting.seen(&drawn.target, None), 1, lighting.mirrored(progress)) {
         Ok(made) => Ok(Some(made)),
         Err(DesignError::NoLight) => Ok(None),
         Err(error) => Err(error.into()),
@@ -215,23 +211,15 @@ fn sheet<'a>(
 }
 
 /// Refuses numbers that no shop means.
-fn within(args: &MillArgs) -> Result<(), Failure> {
-    let given = [
-        ("spindle", Some(args.spindle), [100.0, 500_000.0]),
-        ("teeth", Some(args.teeth), [1.0, 20.0]),
-        ("stock-over", Some(args.stock_over), [0.0, 20.0]),
-        ("allowance", args.allowance, [0.01, 5.0]),
-        ("tolerance", Some(args.tolerance), [0.1, 1000.0]),
-        ("flutes", args.flutes, [0.01, 1000.0]),
-        ("rough-step", args.rough_step, [0.01, 50.0]),
-        ("rough-stepover", args.rough_stepover, [0.01, 50.0]),
-    ];
-    for (flag, value, [least, most]) in given {
-        if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
-            return Err(Failure::Usage(format!("--{flag} is {value}: it must be from {least} to {most}")));
-        }
-    }
-    Ok(())
+fn check(args: &MillArgs) -> Result<(), Failure> {
+    within("spindle", Some(args.spindle), (100.0, 500_000.0))?;
+    within("teeth", Some(args.teeth), (1.0, 20.0))?;
+    within("stock-over", Some(args.stock_over), (0.0, 20.0))?;
+    within("allowance", args.allowance, (0.01, 5.0))?;
+    within("tolerance", Some(args.tolerance), (0.1, 1000.0))?;
+    within("flutes", args.flutes, (0.01, 1000.0))?;
+    within("rough-step", args.rough_step, (0.01, 50.0))?;
+    within("rough-stepover", args.rough_stepover, (0.01, 50.0))
 }
 
 /// The shop that the flags say.

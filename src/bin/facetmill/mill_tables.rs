@@ -40,12 +40,16 @@ pub fn mill(report: &MillReport) -> Vec<Row> {
         let name = &program.part;
         rows.push(row(name, format!("{:.0}", program.read.lines_per_second), "lines a second at the most"));
         rows.push(row(name, format!("{:.1} m", 1e-3 * program.read.cut_mm), "along its cuts"));
-        if let Some([low, high]) = program.read.bounds_mm {
-            let axis = |k: usize| format!("{:.3} to {:.3}", low[k], high[k]);
-            rows.push(row(name, "bounds", format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2))));
-        }
+        rows.extend(bounds(&program.read).map(|bounds| row(name, "bounds", bounds)));
     }
     rows
+}
+
+/// How far a program goes, if it moves at all.
+fn bounds(read: &ReadFacts) -> Option<String> {
+    let [low, high] = read.bounds_mm?;
+    let axis = |k: usize| format!("{:.3} to {:.3}", low[k], high[k]);
+    Some(format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2)))
 }
 
 /// Findings that are told without --verbose.
@@ -73,16 +77,13 @@ pub fn check_in_short(report: &CheckReport) -> Vec<Row> {
 
 /// All figures of a program that was judged.
 pub fn check(report: &CheckReport) -> Vec<Row> {
-    let ReadFacts { troubles, lines_per_second, cut_mm, bounds_mm, .. } = &report.read;
+    let ReadFacts { troubles, lines_per_second, cut_mm, .. } = &report.read;
     let mut rows: Vec<Row> =
         troubles.iter().skip(FINDINGS).map(|trouble| told(trouble.kind, trouble.sentence.clone())).collect();
     rows.push(row("cutter", report.cutter.to_string(), report.dialect.clone().unwrap_or_default()));
     rows.push(row("lines", format!("{lines_per_second:.0}"), "a second at the most"));
     rows.push(row("cuts", format!("{:.1} m", 1e-3 * cut_mm), "long in all"));
-    if let Some([low, high]) = bounds_mm {
-        let axis = |k: usize| format!("{:.3} to {:.3}", low[k], high[k]);
-        rows.push(row("bounds", "", format!("x {}, y {}, z {} mm", axis(0), axis(1), axis(2))));
-    }
+    rows.extend(bounds(&report.read).map(|bounds| row("bounds", "", bounds)));
     rows.extend(report.light.iter().flat_map(scores));
     rows
 }

@@ -15,12 +15,13 @@ use crate::args::PlanArgs;
 use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
 use crate::interrupt::Run;
+use crate::ranges::within;
 use crate::stages::Stages;
 use crate::tables::{Row, percent, row};
 use crate::{inputs, machining};
 
 /// Hours that are believed.
-const HOURS: [f64; 2] = [0.001, 10_000.0];
+const HOURS: (f64, f64) = (0.001, 10_000.0);
 
 /// Does what `args` say.
 pub fn run(args: &PlanArgs, run: &Run) -> Result<(), Failure> {
@@ -91,16 +92,16 @@ fn fresh(recipe: Recipe) -> Recipe {
 }
 
 fn asked(args: &PlanArgs) -> Result<(Goal, f64), Failure> {
-    let within = |flag: &str, value: f64, [low, high]: [f64; 2]| match (low..=high).contains(&value) {
-        true => Ok(value),
-        false => Err(Failure::Usage(format!("--{flag} is {value}: it must be from {low} to {high}"))),
-    };
-    let tolerance = within("polish-tolerance", args.polish_tolerance.unwrap_or(TOLERANCE), [0.0, 0.5])?;
+    within("polish-tolerance", args.polish_tolerance, (0.0, 0.5))?;
+    within("hours", args.hours, HOURS)?;
+    within("wanted", args.wanted, (1e-4, 0.5))?;
     let goal = match (args.hours, args.wanted) {
-        (Some(hours), _) => Goal::Within(within("hours", hours, HOURS)?),
-        (None, wanted) => Goal::Wanted(within("wanted", wanted.unwrap_or(f64::NAN), [1e-4, 0.5])?),
+        (Some(hours), _) => Goal::Within(hours),
+        (None, Some(wanted)) => Goal::Wanted(wanted),
+        // The command line asks for one of them.
+        (None, None) => return Err(Failure::Usage("say with --hours how long finishing may take".into())),
     };
-    Ok((goal, tolerance))
+    Ok((goal, args.polish_tolerance.unwrap_or(TOLERANCE)))
 }
 
 fn failure(error: PlanError) -> Failure {

@@ -20,6 +20,7 @@ use glam::DVec3;
 use crate::args::PlacingArgs;
 use crate::console::Failure;
 use crate::inputs;
+use crate::ranges::within;
 
 /// Lengths between which a plate is believed, mm.
 const SMALLEST: f64 = 1e-3;
@@ -68,8 +69,16 @@ fn admit(bytes: u64, limit: MemoryLimit, then: Need) -> Result<(), TooMuchMemory
     limit.admit(beside)
 }
 
+/// What a rim that is no optical area may be, mm.
+pub const MARGIN: (f64, f64) = (0.0, 10_000.0);
+
 /// A plate shorter than this may be in another unit than millimetres, mm.
 const SHORT: f64 = 5.0;
+
+/// The rim of a plate that is no optical area, mm: as `given`, else that of the design's folder that `plate` is.
+pub fn margin(given: Option<f64>, plate: &Path, recipe: &Recipe) -> f64 {
+    given.unwrap_or(if plate.is_dir() { recipe.plate.border } else { 0.0 })
+}
 
 /// Reads the mesh at `path`, if that and what is to be done then may take so much memory, and lays it down; its rim of
 /// `margin` mm is no optical area.
@@ -80,9 +89,7 @@ pub fn open(
     memory: (MemoryLimit, Need),
     progress: &Progress,
 ) -> Result<Opened, Failure> {
-    if !(0.0..=10_000.0).contains(&margin) {
-        return Err(Failure::Usage(format!("--margin is {margin}: it must be from 0 to 10000")));
-    }
+    within("margin", Some(margin), MARGIN)?;
     let name = path.display();
     admit(path.metadata().map_or(0, |about| about.len()), memory.0, memory.1)?;
     let (mesh, mut advice) = laid_down(path, placing)?;

@@ -8,12 +8,13 @@ use facetmill::gcode::dialect::Dialect;
 use facetmill::gcode::read::{self, Read, read};
 use facetmill::glam::{DVec2, DVec3};
 use facetmill::job::design::DesignError;
-use facetmill::job::made::Seen;
+use facetmill::job::made::Lighting;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::swept::{SweptProof, prove_swept};
 use facetmill::job::{exports, in_a_sentence};
 use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::Machine;
+use facetmill::milling::polish::in_words;
 use facetmill::milling::swept::Swept;
 use facetmill::milling::tip::TipHeights;
 use facetmill::progress::{Event, Progress, Stage};
@@ -23,7 +24,6 @@ use facetmill::report::{PROGRAM, text};
 use facetmill::shop::blank::Blank;
 use facetmill::shop::check::{Against, Judgement, What, judged, said_of_itself, trouble};
 use facetmill::shop::surface::{Left, Wanted, strokes};
-use facetmill::verify::measure::Mirrored;
 
 use crate::args::MillArgs;
 use crate::console::{Failure, Table, tell};
@@ -72,8 +72,7 @@ pub fn run(args: &MillArgs, file: &Path, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
-    let border = if against.is_dir() { recipe.plate.border } else { 0.0 };
-    let margin = args.margin.unwrap_or(border);
+    let margin = plates::margin(args.margin, against, &recipe);
     let sweeping = Need::new(
         Swept::bytes(given.bytes.len() / 8),
         "the surface that the program leaves",
@@ -214,10 +213,9 @@ fn lit(
             return Ok(None);
         }
     };
-    let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(&drawn.setup));
-    let mirrored = Mirrored { setup: &drawn.setup, metal: &metal, measuring: &measuring, progress };
-    let seen = Seen { target: &drawn.target, blur: blur.as_ref(), rim: None };
-    match prove_swept(swept, (plate, uncut), polish, seen, mirrored) {
+    let lighting = Lighting::new(recipe, &drawn.setup);
+    let seen = lighting.seen(&drawn.target, None);
+    match prove_swept(swept, (plate, uncut), polish, seen, lighting.mirrored(progress)) {
         Ok(proof) => Ok(Some((proof, drawn))),
         Err(DesignError::NoLight) => {
             advice.push("None of its light reaches the picture.".into());
@@ -230,7 +228,7 @@ fn lit(
 fn report(file: &Path, given: &Given, opened: &Opened, found: &Found) -> CheckReport {
     let Found { judgement, left, light, advice } = found;
     let name = plates::name(file);
-    let polish = given.polish.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+    let polish = in_words(given.polish);
     let verdict = match (judgement.troubles.len(), light) {
         (0, Some((proof, _))) => in_a_sentence(&proof.verdict, &format!("{name} can be run: on its surface, {polish}")),
         (0, None) => format!("{name} can be run: nothing is wrong with it."),

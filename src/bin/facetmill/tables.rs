@@ -4,6 +4,7 @@ use std::path::Path;
 
 use facetmill::job::pictures::rays;
 use facetmill::memory::said;
+use facetmill::milling::polish::in_words;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
@@ -58,7 +59,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
 /// How it is made.
 fn made_in_short(made: &MadeFacts) -> Row {
     let MachiningFacts { machine, cutter, stepover_mm, polish_mm, .. } = &made.machining;
-    let polish = polish_mm.map_or("not polished".into(), |sigma| format!("polished {:.0} µm", 1e3 * sigma));
+    let polish = in_words(*polish_mm);
     let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart", machine.name);
     told("made", format!("by {passes}, {:.1} h at {} mm/min; {polish}", made.finishing_hours, machine.feed))
 }

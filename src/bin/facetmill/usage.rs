@@ -2,8 +2,10 @@
 
 use std::io::{self, Write};
 
+use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
+use crate::args::Cli;
 use crate::console::{Failure, report_failure};
 use crate::files::OutputError;
 use crate::help::has_flag;
@@ -27,9 +29,8 @@ pub fn answer(error: &clap::Error) -> u8 {
         }
         _ => {
             let words: Vec<_> = std::env::args_os().skip(1).collect();
-            let command = words
-                .iter()
-                .find(|word| ["design", "verify", "measure", "mill", "fit"].iter().any(|name| *word == name));
+            let known = Cli::command();
+            let command = words.iter().find(|word| known.get_subcommands().any(|known| *word == known.get_name()));
             let message = error.render().to_string();
             let name = command.and_then(|command| command.to_str()).unwrap_or_default();
             let message = better_hint(error, name).unwrap_or_else(|| sentence(&message));

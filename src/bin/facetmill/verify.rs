@@ -79,8 +79,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let limit = args.running.memory();
     let pixels = Measuring::default().resolution.pow(2);
     let image = Need::new(tally::bytes(pixels), "the image of the light", "decimate the plate's mesh");
-    let border = if args.plate.is_dir() { recipe.plate.border } else { 0.0 };
-    let margin = args.margin.unwrap_or(border);
+    let margin = plates::margin(args.margin, &args.plate, &recipe);
     let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
     let plate = opened.size.truncate() - 2.0 * margin;
     let task = machining.map(|machining| machining::Task::new(machining, making.draws, plate, limit)).transpose()?;
@@ -286,10 +285,7 @@ fn proof(
     });
     let judged = |measurement: Measurement| {
         progress.stage(Stage::Scoring);
-        let measurement = match &rim {
-            Some(rim) if rim.counts => rim.light.over(measurement),
-            _ => measurement,
-        };
+        let measurement = RimProof::over(rim.as_ref(), measurement);
         let verdict = Verdict::new(&measurement, &target, setup.view(), progress).map_err(unlit)?;
         Ok::<_, Failure>((measurement, verdict))
     };

@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::{Model, even};
+use crate::slope::polar_angle;
 
 /// f_r = ρ/π.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,7 @@ impl Model for OrenNayar {
         if wi.z <= 0.0 || wo.z <= 0.0 {
             return 0.0;
         }
-        let (ti, to) = (polar(wi), polar(wo));
+        let (ti, to) = (polar_angle(wi), polar_angle(wo));
         let (alpha, beta) = (ti.max(to), ti.min(to));
         let across = wi.truncate().length() * wo.truncate().length();
         let cosine = if across > 0.0 { (wi.truncate().dot(wo.truncate()) / across).clamp(-1.0, 1.0) } else { 0.0 };
@@ -68,9 +69,4 @@ impl Model for OrenNayar {
     fn density(&self, _: DVec3, wo: DVec3) -> f64 {
         wo.z.max(0.0) / PI
     }
-}
-
-/// Angle from the normal.
-fn polar(w: DVec3) -> f64 {
-    w.x.hypot(w.y).atan2(w.z)
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Model;
 use super::ashikhmin_shirley::AshikhminShirley;
 use super::diffuse::{Lambert, OrenNayar};
-use super::lafortune::{Lafortune, LafortuneLobe};
+use super::lafortune::{LafortuneLobe, lafortune};
 use super::microfacets::{Microfacets, Shadowing};
 use super::normals::{Profile, ProfileNormals};
 use super::parts::Turned;
@@ -211,7 +211,7 @@ const KINDS: &[Kind] = &[
         is_base: false,
         build: |n| {
             let lobe = |n: &[f64]| LafortuneLobe { direction: DVec3::new(n[0], n[1], n[2]), exponent: n[3] };
-            Lafortune::new(n.chunks_exact(4).map(lobe).collect())
+            lafortune(n.chunks_exact(4).map(lobe).collect())
                 .map(|model| Arc::new(model) as Arc<dyn Model>)
                 .ok_or(LobeError::Roughness(f64::NAN))
         },

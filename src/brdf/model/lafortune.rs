@@ -3,10 +3,13 @@
 //!
 //! Cx = Cy = -Cz is Phong's lobe, Cz > -Cx leans it toward grazing directions, Cx = Cy > 0 sends light back to the lamp.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use super::Model;
+use super::parts::Sum;
 use super::phong::{density_about, sample_about};
-use super::{Model, albedo_by_quadrature};
 
 /// One of the lobes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,19 +18,6 @@ pub struct LafortuneLobe {
     pub direction: DVec3,
     /// n.
     pub exponent: f64,
-}
-
-/// The sum of any number of lobes.
-#[derive(Clone, Debug)]
-pub struct Lafortune {
-    lobes: Vec<LafortuneLobe>,
-}
-
-impl Lafortune {
-    /// `lobes`, at least one.
-    pub fn new(lobes: Vec<LafortuneLobe>) -> Option<Self> {
-        (!lobes.is_empty()).then_some(Self { lobes })
-    }
 }
 
 impl LafortuneLobe {
@@ -52,23 +42,8 @@ impl Model for LafortuneLobe {
     }
 }
 
-impl Model for Lafortune {
-    fn value(&self, wi: DVec3, wo: DVec3) -> f64 {
-        self.lobes.iter().map(|lobe| lobe.value(wi, wo)).sum()
-    }
-
-    fn sample(&self, wi: DVec3, u: [f64; 3]) -> DVec3 {
-        // The third number chooses a lobe, all alike.
-        let chosen = ((u[2] * self.lobes.len() as f64) as usize).min(self.lobes.len() - 1);
-        self.lobes[chosen].sample(wi, u)
-    }
-
-    fn density(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let sum: f64 = self.lobes.iter().map(|lobe| lobe.density(wi, wo)).sum();
-        sum / self.lobes.len() as f64
-    }
-
-    fn albedo(&self, wi: DVec3) -> f64 {
-        self.lobes.iter().map(|lobe| albedo_by_quadrature(lobe, wi)).sum()
-    }
+/// The sum of any number of lobes, at least one.
+pub fn lafortune(lobes: Vec<LafortuneLobe>) -> Option<Sum> {
+    let model = |lobe| Arc::new(lobe) as Arc<dyn Model>;
+    (!lobes.is_empty()).then(|| Sum(lobes.into_iter().map(model).collect()))
 }

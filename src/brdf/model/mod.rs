@@ -15,6 +15,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
+use crate::golden::golden;
+
+pub mod parts;
+
 pub mod diffuse;
 
 pub mod phong;
@@ -30,8 +34,6 @@ pub mod normals;
 pub mod painted;
 
 pub mod microfacets;
-
-pub mod parts;
 
 mod kinds;
 
@@ -64,8 +66,8 @@ fn albedo_by_quadrature<M: Model + ?Sized>(model: &M, wi: DVec3) -> f64 {
     let mut sum = 0.0;
     for k in 0..STRATA * STRATA {
         let u = [at(k % STRATA), at(k / STRATA)];
-        // Golden section: whichever part of a sum the third number chooses is met in its turn.
-        let third = (k as f64 * 0.618_033_988_749_894_9).fract();
+        // Whichever part of a sum the third number chooses is met in its turn.
+        let third = golden(k);
         for wo in [model.sample(wi, [u[0], u[1], third]), even(u)] {
             if wo.z > 0.0 {
                 let density = model.density(wi, wo).max(0.0) + wo.z / PI;

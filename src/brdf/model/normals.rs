@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
 use crate::brdf::microfacet::Lobe;
-use crate::slope::direction;
+use crate::slope::{direction, polar_angle};
 
 /// A density of normals that can be seen and drawn from.
 pub trait Normals: Send + Sync {
@@ -151,11 +151,11 @@ fn ring_seen(theta: f64, v: f64) -> f64 {
 
 impl Normals for ProfileNormals {
     fn density(&self, m: DVec3) -> f64 {
-        if m.z <= 0.0 { 0.0 } else { self.norm * self.profile.shape(m.x.hypot(m.y).atan2(m.z)) }
+        if m.z <= 0.0 { 0.0 } else { self.norm * self.profile.shape(polar_angle(m)) }
     }
 
     fn seen_area(&self, v: DVec3) -> f64 {
-        let at = v.x.hypot(v.y).atan2(v.z).clamp(0.0, FRAC_PI_2) / FRAC_PI_2 * SEEN as f64;
+        let at = polar_angle(v).clamp(0.0, FRAC_PI_2) / FRAC_PI_2 * SEEN as f64;
         let low = (at as usize).min(SEEN - 1);
         self.seen[low] + (at - low as f64) * (self.seen[low + 1] - self.seen[low])
     }

@@ -13,6 +13,7 @@ use thiserror::Error;
 use super::normals::Normals;
 use crate::projection::View;
 use crate::raster::Raster;
+use crate::slope::{direction, polar_angle};
 
 /// Intervals of the table of σ: polar angles, even in the angle, and azimuths.
 const POLAR: usize = 64;
@@ -91,10 +92,7 @@ fn seen_areas(table: &Raster, reach: f64) -> Vec<f64> {
     blocks.retain(|block| *block != DVec3::ZERO);
     let node = |k: usize| {
         let (polar, around) = (k / (AROUND + 1), k % (AROUND + 1));
-        let v = crate::slope::direction(
-            FRAC_PI_2 * polar as f64 / POLAR as f64,
-            TAU * (around % AROUND) as f64 / AROUND as f64,
-        );
+        let v = direction(FRAC_PI_2 * polar as f64 / POLAR as f64, TAU * (around % AROUND) as f64 / AROUND as f64);
         blocks.iter().map(|block| block.dot(v).max(0.0)).sum::<f64>().max(v.z).max(1e-12)
     };
     (0..(POLAR + 1) * (AROUND + 1)).map(node).collect()
@@ -106,7 +104,7 @@ impl Normals for PaintedNormals {
     }
 
     fn seen_area(&self, v: DVec3) -> f64 {
-        let polar = v.x.hypot(v.y).atan2(v.z).clamp(0.0, FRAC_PI_2) / FRAC_PI_2 * POLAR as f64;
+        let polar = polar_angle(v).clamp(0.0, FRAC_PI_2) / FRAC_PI_2 * POLAR as f64;
         let around = v.y.atan2(v.x).rem_euclid(TAU) / TAU * AROUND as f64;
         let (row, column) = ((polar as usize).min(POLAR - 1), (around as usize).min(AROUND - 1));
         let (s, t) = (polar - row as f64, around - column as f64);

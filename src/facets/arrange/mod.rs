@@ -2,6 +2,8 @@
 
 pub mod assignment;
 
+mod exchange;
+
 mod split;
 
 mod unwind;

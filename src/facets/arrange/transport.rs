@@ -8,6 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::assignment::cheapest_assignment;
+use super::exchange::exchange;
 use super::split::laid_out;
 use super::unwind::unwind;
 use crate::facets::SlopeGrid;
@@ -43,7 +44,7 @@ pub fn dome(slopes: Vec<Slope>, columns: usize, rows: usize, pitch: DVec2, progr
         window_by_window(&mut grid, pitch, progress);
     }
     // Of the exact order only rounding is left: slopes that differ by less than the sums can tell.
-    bubble(&mut grid, progress);
+    bubble(&mut grid, pitch, progress);
     grid
 }
 
@@ -110,28 +111,11 @@ fn assigned(grid: &SlopeGrid, heights: &[f64], cells: &[usize], pitch: DVec2, pr
 }
 
 /// Swaps neighbours that form a valley until there is none.
-fn bubble(grid: &mut SlopeGrid, progress: &Progress) {
-    let (columns, rows) = (grid.columns, grid.rows);
+fn bubble(grid: &mut SlopeGrid, pitch: DVec2, progress: &Progress) {
     // Each swap raises Σ -s·x, so this ends; the bound is only against rounding.
-    for _ in 0..columns + rows {
-        if progress.is_to_finish() {
-            break;
-        }
-        let mut swapped = false;
-        for y in 0..rows {
-            for x in 0..columns {
-                let k = y * columns + x;
-                if x + 1 < columns && grid.slopes[k + 1].p > grid.slopes[k].p {
-                    grid.slopes.swap(k, k + 1);
-                    swapped = true;
-                }
-                if y + 1 < rows && grid.slopes[k + columns].q > grid.slopes[k].q {
-                    grid.slopes.swap(k, k + columns);
-                    swapped = true;
-                }
-            }
-        }
-        if !swapped {
+    for _ in 0..grid.columns + grid.rows {
+        let beside = exchange(grid, [1, 0], pitch);
+        if progress.is_to_finish() || !(exchange(grid, [0, 1], pitch) | beside) {
             break;
         }
     }
@@ -181,7 +165,7 @@ mod tests {
         let mut near = SlopeGrid { columns, rows, slopes };
         unwind(&mut near, pitch, |_| {}, &silent);
         window_by_window(&mut near, pitch, &silent);
-        bubble(&mut near, &silent);
+        bubble(&mut near, pitch, &silent);
         let walls = |grid: &SlopeGrid| steps(grid, &least_squares(grid, pitch, false), pitch, false).wall_area_ratio;
         assert!(walls(&near) < 1.1 * walls(&exact), "{} against {}", walls(&near), walls(&exact));
         let (best, found) = (gain(&exact, pitch), gain(&near, pitch));

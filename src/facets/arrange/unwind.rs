@@ -13,6 +13,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::exchange::exchange;
 use super::split::laid_out;
 use crate::facets::SlopeGrid;
 use crate::facets::heights::LeastSquares;
@@ -67,25 +68,10 @@ fn put_in_order(grid: &mut SlopeGrid, pitch: DVec2, progress: &Progress) {
     for _ in 0..2 {
         let mut factor = WIDEST;
         while factor > 0 && !progress.is_to_finish() {
-            OFFSETS.iter().for_each(|[x, y]| exchange(grid, [x * factor, y * factor], pitch));
+            OFFSETS.iter().for_each(|[x, y]| {
+                exchange(grid, [x * factor, y * factor], pitch);
+            });
             factor /= 2;
-        }
-    }
-}
-
-/// Every cell and the one `offset` cells away change places if the slope rises from the one to the other.
-fn exchange(grid: &mut SlopeGrid, offset: [isize; 2], pitch: DVec2) {
-    let [x, y] = offset;
-    let way = DVec2::new(x as f64, y as f64) * pitch;
-    let inside = |n: usize, d: isize| 0.max(-d) as usize..(n as isize).min(n as isize - d).max(0) as usize;
-    let between = y * grid.columns as isize + x;
-    for row in inside(grid.rows, y) {
-        for column in inside(grid.columns, x) {
-            let here = row * grid.columns + column;
-            let there = here.wrapping_add_signed(between);
-            if (grid.slopes[there].to_vec() - grid.slopes[here].to_vec()).dot(way) > 0.0 {
-                grid.slopes.swap(here, there);
-            }
         }
     }
 }

@@ -69,12 +69,12 @@ impl Grain {
         let made = |size: [f64; 2], polish: Option<f64>| {
             let machining = Machining { machine: machine.clone(), cutter, passes, polish, seed: 1 };
             let plate = DVec2::from(size);
-            let ways = machining.ways(&plane(plate, slope, cutter.reach()), plate, progress);
-            progress.check().map(|()| (machining, ways))
+            let ways = machining.ways(&plane(plate, slope, cutter.reach()), plate, progress)?;
+            Ok((machining, ways))
         };
         let (machining, ways) = made(PLANE.map(|n| n * sigma), Some(sigma))?;
-        let surface = machining.polished(&ways, 0, progress).ok_or(Cancelled)?;
-        let polished = polished(&surface, 3.0 * sigma);
+        let surface = machining.polished(&ways, 0, progress)?;
+        let polished = surface.map_or(Spread::default(), |surface| polished(&surface, 3.0 * sigma));
         let between = (polished.across.powi(2) - polished.along.powi(2)).max(0.0);
         let (machining, ways) = made(BARE.map(|n| n * apart), None)?;
         let rows = machining.bare(&ways, 0);

@@ -17,17 +17,17 @@ use glam::DVec2;
 
 use super::design::{DesignError, design};
 use super::findings::MadeProof;
-use super::made::{Seen, prove_as_made};
+use super::made::{Lighting, prove_as_made};
 use super::memory;
 use crate::cutter::Cutter;
 use crate::highlight::scored_target;
 use crate::memory::MemoryLimit;
 use crate::milling::machine::Machine;
 use crate::milling::made::Machining;
+use crate::milling::polish::in_words;
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};
 use crate::recipe::{Cells, PassOrder, Recipe, RecipeError, SurfaceKind};
-use crate::verify::measure::Mirrored;
 use model::Model;
 use search::{Choice, Free};
 
@@ -221,8 +221,7 @@ impl Task<'_> {
             if let Some((stepover, _)) = free.passes(self.machine, size, way.cutter, hours) {
                 let larger = model::Way { size, polish, stepover, ..way };
                 let other = model.expected(self.machine, &larger, progress)?;
-                let um = 1e3 * polish;
-                let polished = if polish > 0.0 { format!(", polished {um:.0} µm,") } else { String::new() };
+                let polished = if polish > 0.0 { format!(", {},", in_words(Some(polish))) } else { String::new() };
                 changes.push((
                     format!("a plate of {:.0} × {:.0} mm{polished} in the same time", size.x, size.y),
                     other.mean(),
@@ -243,10 +242,10 @@ impl Task<'_> {
         let Some(machining) = recipe.machining().map_err(DesignError::from)? else { return Ok(None) };
         let made = design(&recipe, &self.picture.light, progress)?;
         let setup = &made.distribution.setup;
-        let (metal, measuring, blur) = (recipe.metal(), recipe.measuring(), recipe.blur(setup));
-        let target = scored_target(&self.picture.light, recipe.highlight.quantity, setup, measuring.resolution);
-        let mirrored = Mirrored { setup, metal: &metal, measuring: &measuring, progress };
-        let seen = Seen { target: &target, blur: blur.as_ref(), rim: None };
+        let resolution = recipe.measuring().resolution;
+        let target = scored_target(&self.picture.light, recipe.highlight.quantity, setup, resolution);
+        let lighting = Lighting::new(&recipe, setup);
+        let (seen, mirrored) = (lighting.seen(&target, None), lighting.mirrored(progress));
         let plate = (&made.mesh, DVec2::from(recipe.plate.size), recipe.plate.border);
         let made = prove_as_made(&machining, plate, seen, recipe.draws(), mirrored)?;
         let mut polish_off = Vec::new();

@@ -204,8 +204,7 @@ impl Model {
 
     /// What play, rounding and the relief itself misplace where `machine` follows it.
     fn following(&mut self, machine: &Machine, way: &Way, progress: &Progress) -> Result<&(f64, Besides), DesignError> {
-        let lengths = [way.cell(), way.polish].map(|mm| (1e5 * mm).round() as u64);
-        let key = (machine.to_toml(), lengths);
+        let key = followed_key(machine, way);
         if !self.following.contains_key(&key) {
             let cell = scaled(&self.cell, way.cell() / self.cell.cell.min_element());
             // Passes nearer to y than to x meet the relief along y.
@@ -264,9 +263,12 @@ impl Model {
             spread.across = spread.across.hypot(cusps);
         }
         let angle = self.angle;
-        self.following(machine, way, progress)?;
-        let lengths = [way.cell(), way.polish].map(|mm| (1e5 * mm).round() as u64);
-        let besides = self.following.get(&(machine.to_toml(), lengths)).map(|(_, besides)| besides);
+        let besides = self.following.get(&followed_key(machine, way)).map(|(_, besides)| besides);
         Ok(Expected { misplaced: self.drawing.misplaced(spread, angle, besides), ..expected })
     }
+}
+
+/// What ways have in common whose relief is followed alike: machine, cell and polish.
+fn followed_key(machine: &Machine, way: &Way) -> (String, [u64; 2]) {
+    (machine.to_toml(), [way.cell(), way.polish].map(|mm| (1e5 * mm).round() as u64))
 }

@@ -5,6 +5,7 @@ use image::RgbImage;
 use super::{Goal, Plan, Proved, Task};
 use crate::export::plan_chart::PlanChart;
 use crate::job::sentences::in_a_sentence;
+use crate::milling::polish::in_words;
 use crate::report::PROGRAM;
 use crate::report::PictureFacts;
 use crate::report::plan::{CutterLine, Parts, PlanReport, WayFacts};
@@ -64,7 +65,7 @@ pub fn in_short(proved: &Proved) -> String {
     let way = &proved.choice.way;
     let [across, up] = way.cells;
     let cells = if across * up == 1 { "one cell".to_owned() } else { format!("{across} × {up} cells") };
-    let polish = if way.polish > 0.0 { format!("polished {:.0} µm", 1e3 * way.polish) } else { "not polished".into() };
+    let polish = in_words(Some(way.polish).filter(|polish| *polish > 0.0));
     let (size, cutter) = (way.size, way.cutter);
     format!("{:.0} × {:.0} mm, {cells}, {cutter}, passes {} mm apart, {polish}", size.x, size.y, way.stepover)
 }

@@ -21,7 +21,7 @@ fn exact() -> Machine {
 
 /// Root mean square of the slopes along x and along y of the inner plate, and the share that is level.
 fn spread(of: &Machining, mesh: &Mesh) -> (DVec2, f64) {
-    let ways = of.ways(mesh, PLATE, &Progress::silent());
+    let ways = of.ways(mesh, PLATE, &Progress::silent()).unwrap();
     let surface = of.bare(&ways, 0);
     let row = |k: usize| {
         let slopes = surface.slopes(k, 401);
@@ -74,8 +74,8 @@ fn polish_leaves_a_plane_as_it_is_whatever_the_direction_of_the_passes() {
     for degrees in [0.0, 90.0, 30.0] {
         let of = Machining { polish: Some(0.04), ..machining(exact(), "ball:0.5", 0.02, degrees) };
         let mesh = plane(slope);
-        let ways = of.ways(&mesh, PLATE, &Progress::silent());
-        let relief = of.polished(&ways, 0, &Progress::silent()).unwrap();
+        let ways = of.ways(&mesh, PLATE, &Progress::silent()).unwrap();
+        let relief = of.polished(&ways, 0, &Progress::silent()).unwrap().unwrap();
         let [nx, ny] = relief.nodes;
         assert!((relief.step * DVec2::new((nx - 1) as f64, (ny - 1) as f64) - PLATE).length() < 1e-9);
         for j in ny / 4..3 * ny / 4 {
@@ -97,10 +97,10 @@ fn tracks_of_random_height_leave_the_slopes_that_the_law_says() {
     let machine = Machine { track_scatter: DELTA, ..exact() };
     let (stepover, sigma) = (0.02, 0.04);
     let of = Machining { polish: Some(sigma), ..machining(machine, "ball:0.5", stepover, 0.0) };
-    let ways = of.ways(&plane(DVec2::ZERO), PLATE, &Progress::silent());
+    let ways = of.ways(&plane(DVec2::ZERO), PLATE, &Progress::silent()).unwrap();
     let (mut squares, mut count) = (0.0, 0.0);
     for draw in 0..40 {
-        let relief = of.polished(&ways, draw, &Progress::silent()).unwrap();
+        let relief = of.polished(&ways, draw, &Progress::silent()).unwrap().unwrap();
         let [nx, ny] = relief.nodes;
         for j in ny / 8..7 * ny / 8 {
             let rise = relief.heights[(j + 1) * nx + nx / 2] - relief.heights[j * nx + nx / 2];
@@ -120,8 +120,8 @@ fn the_same_draw_is_the_same_surface_with_any_number_of_threads() {
     let with = |threads: usize, draw: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let ways = of.ways(&mesh, PLATE, &Progress::silent());
-            of.polished(&ways, draw, &Progress::silent()).unwrap()
+            let ways = of.ways(&mesh, PLATE, &Progress::silent()).unwrap();
+            of.polished(&ways, draw, &Progress::silent()).unwrap().unwrap()
         })
     };
     assert!(with(1, 0) == with(3, 0) && with(1, 0) != with(1, 1));

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 pub use super::axes::{BrdfAxes, TableError};
-use crate::slope::mirror;
+use crate::slope::{mirror, polar_angle};
 
 /// A BRDF measured or computed on a grid; 12 bytes a cell. One wavelength: colour takes three tables on the same axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +127,7 @@ impl BrdfTable {
         }
         let (u, v) = self.axes.coordinates(wi, wo);
         let nodes = &self.axes.theta_i;
-        let theta = wi.x.hypot(wi.y).atan2(wi.z).min(nodes[nodes.len() - 1]);
+        let theta = polar_angle(wi).min(nodes[nodes.len() - 1]);
         let low = nodes.partition_point(|n| *n <= theta).clamp(1, nodes.len() - 1) - 1;
         let t = (theta - nodes[low]) / (nodes[low + 1] - nodes[low]);
         let azimuths = self.axes.phi_i.len();

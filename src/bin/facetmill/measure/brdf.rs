@@ -18,6 +18,7 @@ use super::{Bench, Outcome};
 use crate::args::MeasureArgs;
 use crate::console::Failure;
 use crate::files::Staged;
+use crate::ranges::whole;
 use crate::tables::{percent, row};
 
 /// The most grazing light, degrees. What a ball shows near its rim lies beyond 85.
@@ -195,9 +196,7 @@ pub fn axes(args: &MeasureArgs) -> Result<BrdfAxes, Failure> {
     let azimuths = args.azimuths.unwrap_or(16);
     let [columns, rows] = args.half_vectors.unwrap_or([128, 64]);
     for (flag, value, least, most) in [("polar", polar, 2, 180), ("azimuths", azimuths, 1, 360)] {
-        if !(least..=most).contains(&value) {
-            return Err(Failure::Usage(format!("--{flag} is {value}: it must be from {least} to {most}")));
-        }
+        whole(flag, Some(value), least, most)?;
     }
     let nodes = BrdfAxes::polar_nodes(polar, f64::to_radians(GRAZING));
     let axes = match azimuths {

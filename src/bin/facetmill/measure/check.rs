@@ -6,6 +6,8 @@ use facetmill::verify::wall::WallSettings;
 use super::brdf;
 use crate::args::MeasureArgs;
 use crate::console::Failure;
+use crate::plates::MARGIN;
+use crate::ranges::{whole, within};
 
 /// Wall and camera, mm.
 const LENGTH: (f64, f64) = (*WallSettings::LENGTH.start(), *WallSettings::LENGTH.end());
@@ -19,7 +21,7 @@ pub fn check(args: &MeasureArgs) -> Result<(), Failure> {
     let most = 100_000_000_000;
     whole("rays", args.rays().filter(|_| args.look).map(|rays| usize::try_from(rays).unwrap_or(usize::MAX)), 1, most)?;
     whole("max-bounces", args.max_bounces.map(|n| n as usize), 1, 1000)?;
-    within("margin", args.margin, (0.0, 10_000.0))?;
+    within("margin", args.margin, MARGIN)?;
     within("lamp-half-field", args.lamp_half_field, (0.01, 60.0))?;
     within("error", args.error, (1e-6, 0.999))?;
     within("wall", args.wall, LENGTH)?;
@@ -35,22 +37,4 @@ pub fn check(args: &MeasureArgs) -> Result<(), Failure> {
     let radius = args.wrap.map(Into::into).and_then(|shape: Shape| shape.radius());
     within("wrap", radius, LENGTH)?;
     within("ambient", args.ambient, (0.0, 1e9))
-}
-
-fn within(flag: &str, value: Option<f64>, (low, high): (f64, f64)) -> Result<(), Failure> {
-    // A value that is not a number is in no range.
-    match value.filter(|value| !(low..=high).contains(value)) {
-        None => Ok(()),
-        Some(value) if value.abs() >= 1e15 || (value != 0.0 && value.abs() < 1e-6) => {
-            Err(Failure::Usage(format!("--{flag} is {value:e}: it must be from {low} to {high}")))
-        }
-        Some(value) => Err(Failure::Usage(format!("--{flag} is {value}: it must be from {low} to {high}"))),
-    }
-}
-
-fn whole(flag: &str, value: Option<usize>, low: usize, high: usize) -> Result<(), Failure> {
-    match value.filter(|value| !(low..=high).contains(value)) {
-        None => Ok(()),
-        Some(value) => Err(Failure::Usage(format!("--{flag} is {value}: it must be from {low} to {high}"))),
-    }
 }
