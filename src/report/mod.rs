@@ -28,6 +28,8 @@ pub mod mill;
 
 pub mod plan;
 
+pub mod patches;
+
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

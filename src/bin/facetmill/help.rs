@@ -14,6 +14,8 @@ const MOST_NEEDED: [(&str, &[&str]); 4] = [
         &[
             "output",
             "goal",
+            "portrait",
+            "viewer",
             "size",
             "half-field",
             "for-cutter",

@@ -50,6 +50,8 @@ mod program_check;
 
 mod mill;
 
+mod portrait;
+
 mod design;
 
 mod plan;
