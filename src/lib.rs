@@ -27,7 +27,7 @@
 //!
 //! // Every setting has a default; lengths are mm, angles in a recipe degrees.
 //! let mut recipe = Recipe::default();
-//! recipe.highlight.half_field = 10.0;
+//! recipe.highlight.half_field = 10.0.into();
 //! recipe.plate.size = [12.0, 12.0];
 //! recipe.plate.cells = Some(1.into());
 //! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given

@@ -4,6 +4,8 @@ mod border_finish;
 
 mod cells;
 
+mod half_field;
+
 mod sections;
 
 mod scene;
@@ -30,6 +32,7 @@ pub use crate::cutter::{Cutter, CutterError};
 pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
 pub use error::RecipeError;
+pub use half_field::HalfField;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
 pub use scene::{NearMethod, SceneFault, SceneSettings};
