@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{MOST_FACETS, SETTINGS, within};
-use super::{BorderFinish, Recipe, RecipeError, SurfaceKind};
+use super::{BorderFinish, Format, Recipe, RecipeError, SurfaceKind};
 use crate::cutter::Cutter;
 use crate::sculpt::milled_facets::{Places, least_diameter};
 use crate::sculpt::tool::Tool;
@@ -23,6 +23,7 @@ impl Recipe {
         self.check_scene()?;
         self.check_kind()?;
         self.machining()?;
+        self.check_files()?;
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
         }
@@ -30,6 +31,13 @@ impl Recipe {
             SurfaceKind::Facets => self.check_facets(),
             SurfaceKind::Sheet => self.check_sheet(),
         }
+    }
+
+    fn check_files(&self) -> Result<(), RecipeError> {
+        if !cfg!(feature = "meshes") && self.writes(Format::ThreeMf) {
+            return Err(RecipeError::FormatLeftOut { format: Format::ThreeMf });
+        }
+        Ok(())
     }
 
     fn check_facets(&self) -> Result<(), RecipeError> {

@@ -17,7 +17,8 @@ use crate::projection::Projection;
 use crate::scene::room::Room;
 
 use super::super::{
-    Arrangement, BorderFinish, Cells, HalfField, Heights, LightSettings, NearMethod, PassOrder, Seen, SurfaceKind,
+    Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod, PassOrder,
+    Seen, SurfaceKind,
 };
 
 /// A number with or without a fraction.
@@ -167,6 +168,16 @@ impl Value for HalfField {
 impl Value for bool {
     fn read(&mut self, text: &str) -> Result<(), String> {
         text.trim().parse().map(|value| *self = value).map_err(|_| "write true or false".into())
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+impl Value for Formats {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        text.parse().map(|formats| *self = formats).map_err(|error: FormatError| error.to_string())
     }
 
     fn written(&self) -> Option<String> {
