@@ -9,6 +9,7 @@ mod plates;
 mod shop;
 
 mod asking;
+mod files_read;
 mod linuxcnc;
 mod looks;
 mod mesh_checkers;
