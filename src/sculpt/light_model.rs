@@ -17,7 +17,7 @@ use super::edge_slopes::{BANDS, EdgeRow, EdgeRowSums, EdgeSlopes, Lattice};
 pub struct LightModel {
     lattice: Lattice,
     bins: AxisHistogram,
-    /// Mass of each triangle along the higher diagonals, and along the lower ones of every other square.
+    /// Mass of each triangle along the higher diagonals, and along the lower ones.
     mass: [f32; 2],
     concave: Option<ConcaveEdges>,
 }
@@ -45,7 +45,7 @@ impl LightModel {
     /// squares may be cut either way (see `objective.rs`). With `concave`, a cutter rounds concave edges.
     pub fn new(lattice: Lattice, bins: AxisHistogram, lower: f64, concave: Option<ConcaveEdges>) -> Self {
         let mass = 0.5 / (lattice.n * lattice.n) as f64;
-        Self { lattice, bins, mass: [(mass * (1.0 - lower)) as f32, (2.0 * mass * lower) as f32], concave }
+        Self { lattice, bins, mass: [(mass * (1.0 - lower)) as f32, (mass * lower) as f32], concave }
     }
 
     /// The light of a relief: the share of the plate in each bin, sum 1.
@@ -57,7 +57,7 @@ impl LightModel {
             for j in self.lattice.band(band) {
                 let row = edges.row(j);
                 places.find(bins, &row);
-                self.splat_row(j, &row, &places, &mut to.light);
+                self.splat_row(&row, &places, &mut to.light);
                 if let Some(concave) = &self.concave {
                     concave.forward(&row, bins, &mut to);
                 }
@@ -73,7 +73,7 @@ impl LightModel {
         whole.map_or_else(Vec::new, |whole| bins.gathered(whole))
     }
 
-    fn splat_row(&self, j: usize, row: &EdgeRow<'_>, places: &Places, light: &mut [f32]) {
+    fn splat_row(&self, row: &EdgeRow<'_>, places: &Places, light: &mut [f32]) {
         let (bins, [higher, lower]) = (&self.bins, self.mass);
         let n = self.lattice.n;
         let [p0, p1] = row.p.map(|p| &p[..n]);
@@ -83,7 +83,7 @@ impl LightModel {
             let (with_bottom, with_top) = if top_rises_more(p0[i], p1[i]) { (right, left) } else { (left, right) };
             bins.splat(light, bottom, with_bottom, higher);
             bins.splat(light, top, with_top, higher);
-            if lower > 0.0 && (i + j).is_multiple_of(2) {
+            if lower > 0.0 {
                 bins.splat(light, bottom, with_top, lower);
                 bins.splat(light, top, with_bottom, lower);
             }
@@ -96,13 +96,13 @@ impl LightModel {
     pub fn adjoint(&self, edges: &EdgeSlopes, potential: &[f32], weight: f32) -> (Vec<f32>, f64) {
         let bins = &self.bins;
         let along_strips = bins.potential(potential, self.concave.is_some());
-        edges.adjoint(self.lattice, |j, row, sums| {
-            self.sample_row(j, &row, potential, sums);
+        edges.adjoint(self.lattice, |_, row, sums| {
+            self.sample_row(&row, potential, sums);
             self.concave.as_ref().map_or(0.0, |concave| concave.adjoint(&row, bins, &along_strips, weight, sums))
         })
     }
 
-    fn sample_row(&self, j: usize, row: &EdgeRow<'_>, potential: &[f32], sums: &mut EdgeRowSums<'_>) {
+    fn sample_row(&self, row: &EdgeRow<'_>, potential: &[f32], sums: &mut EdgeRowSums<'_>) {
         let (bins, n) = (&self.bins, self.lattice.n);
         let [per_p, per_q] = bins.per_slope();
         // Of each mass the gradient with respect to p and to q.
@@ -121,7 +121,7 @@ impl LightModel {
             let (_, [tx, ty]) = bins.sample(potential, top, with_top);
             let (mut at_bottom, mut at_top) = (higher[0] * bx, higher[0] * tx);
             let (mut first, mut second) = (higher[1] * by, higher[1] * ty);
-            if lower[0] != 0.0 && (i + j).is_multiple_of(2) {
+            if lower[0] != 0.0 {
                 let (_, [bx, by]) = bins.sample(potential, bottom, with_top);
                 let (_, [tx, ty]) = bins.sample(potential, top, with_bottom);
                 at_bottom += lower[0] * bx;

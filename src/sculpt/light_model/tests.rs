@@ -103,9 +103,7 @@ fn tangent(lattice: Lattice, z: &[f32], direction: &[f64], model: Model) -> Vec<
     for (i, j) in (0..n * n).map(|k| (k % n, k / n)) {
         let (bottom, top, left, right) = (p(i, j), p(i, j + 1), q(i, j), q(i + 1, j));
         let (with_bottom, with_top) = if top.at > bottom.at { (right, left) } else { (left, right) };
-        // Every other square has all the light of the lower diagonals.
-        let lower = if (i + j).is_multiple_of(2) { 2.0 * model.lower } else { 0.0 };
-        for (share, low, up) in [(1.0 - model.lower, with_bottom, with_top), (lower, with_top, with_bottom)] {
+        for (share, low, up) in [(1.0 - model.lower, with_bottom, with_top), (model.lower, with_top, with_bottom)] {
             splat(bottom, low, share * each, 0.0);
             splat(top, up, share * each, 0.0);
         }
