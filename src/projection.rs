@@ -166,7 +166,7 @@ impl View {
 
 impl Projection {
     /// Length on the image plane, before scaling, of an angle from the centre.
-    fn plane_length(self, angle: f64) -> f64 {
+    pub(crate) fn plane_length(self, angle: f64) -> f64 {
         match self {
             Self::Orthographic => angle.sin(),
             Self::Equidistant => angle,

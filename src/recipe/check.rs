@@ -16,6 +16,10 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        let field = self.highlight.half_field;
+        if self.reading().aspect.is_some_and(|aspect| !(0.1..=10.0).contains(&aspect)) {
+            return Err(RecipeError::LongField { field });
+        }
         self.check_scene()?;
         self.check_kind()?;
         self.machining()?;
@@ -131,8 +135,8 @@ mod tests {
             RecipeError::OutOfRange { setting, .. } => setting,
             other => panic!("{other}"),
         };
-        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0)), "half-field");
-        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN)), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0.into())), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN.into())), "half-field");
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");
