@@ -27,7 +27,7 @@
 //!
 //! // Every setting has a default; lengths are mm, angles in a recipe degrees.
 //! let mut recipe = Recipe::default();
-//! recipe.highlight.half_field = 10.0;
+//! recipe.highlight.half_field = 10.0.into();
 //! recipe.plate.size = [12.0, 12.0];
 //! recipe.plate.cells = Some(1.into());
 //! recipe.plate.grid = Some(64); // nodes a side; as suits cutter and picture if not given
@@ -68,6 +68,7 @@
 //! 5. **Facets.** [`facets::sample`] draws N facets of equal area, [`facets::arrange`] puts each in its place,
 //!    [`facets::heights`] raises them so that neighbours meet, [`facets::steps`] measures what is left.
 //! 6. **Or one sheet.** [`sculpt`] shapes a sheet in place of facets: see [`recipe::SurfaceKind`].
+//!    Or a picture that stands on the metal itself: [`patches`].
 //! 7. **Body.** [`relief`] is the exact object, a plane per facet with walls between, and the mesh that is written.
 //! 8. **Proof.** [`trace`] follows rays over the relief or over any mesh ([`trace::traced_plate`] takes the tracer that serves it
 //!    best), [`verify`] collects them as an image and scores it, each figure with its standard error.
@@ -209,6 +210,8 @@ pub mod milling;
 pub mod shop;
 
 pub mod sculpt;
+
+pub mod patches;
 
 pub mod trace;
 

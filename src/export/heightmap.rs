@@ -1,8 +1,13 @@
 //! The relief as a 16-bit grey picture for programs that carve from height maps, with the scale that a PNG cannot hold.
 
+use std::io::{self, Seek, Write};
+
 use glam::DVec2;
 use image::{ImageBuffer, Luma};
 use serde::{Deserialize, Serialize};
+use tiff::encoder::colortype::Gray16;
+use tiff::encoder::{Rational, TiffEncoder};
+use tiff::tags::{ResolutionUnit, Tag};
 
 use crate::progress::{Cancelled, Progress};
 use crate::relief::faceted::FacetedRelief;
@@ -49,6 +54,49 @@ impl HeightScale {
     pub fn height_mm(&self, value: u16) -> f64 {
         self.z_low_mm + f64::from(value) / 65535.0 * (self.z_high_mm - self.z_low_mm)
     }
+}
+
+impl HeightMap {
+    /// Writes picture and scale as one TIFF file of 16 bits: the scale as JSON in its description, and its pixels to the
+    /// centimetre.
+    ///
+    /// # Errors
+    /// When writing fails.
+    pub fn write_tiff(&self, out: &mut (impl Write + Seek)) -> io::Result<()> {
+        let HeightScale { width, height, mm_per_pixel, .. } = self.sidecar;
+        let mut file = TiffEncoder::new(out).map_err(io::Error::other)?;
+        let mut image = file.new_image::<Gray16>(width, height).map_err(io::Error::other)?;
+        let description = ascii(&serde_json::to_string(&self.sidecar).map_err(io::Error::other)?);
+        image.encoder().write_tag(Tag::ImageDescription, description.as_str()).map_err(io::Error::other)?;
+        let program = concat!("facetmill ", env!("CARGO_PKG_VERSION"));
+        image.encoder().write_tag(Tag::Software, program).map_err(io::Error::other)?;
+        let [x, y] = mm_per_pixel.map(pixels_per_centimetre);
+        image.resolution_unit(ResolutionUnit::Centimeter);
+        image.x_resolution(x);
+        image.y_resolution(y);
+        image.write_data(&self.image).map_err(io::Error::other)
+    }
+}
+
+/// Pixels to the centimetre as TIFF holds them, to a millionth.
+fn pixels_per_centimetre(mm_per_pixel: f64) -> Rational {
+    let exact = 10.0 / mm_per_pixel;
+    // As many digits as fit 32 bits; the cast saturates.
+    let denominator = [1_000_000_u32, 10_000, 100, 1].into_iter().find(|d| exact * f64::from(*d) < 4e9).unwrap_or(1);
+    Rational { n: (exact * f64::from(denominator)).round() as u32, d: denominator }
+}
+
+/// JSON in which all that is not ASCII is escaped, as descriptions in TIFF must be.
+fn ascii(json: &str) -> String {
+    let mut text = String::with_capacity(json.len());
+    let mut units = [0; 2];
+    for c in json.chars() {
+        match c.is_ascii() {
+            true => text.push(c),
+            false => c.encode_utf16(&mut units).iter().for_each(|unit| text += &format!("\\u{unit:04x}")),
+        }
+    }
+    text
 }
 
 /// The heights of the whole relief, rim included, at the centres of pixels, taken exactly from the facets' planes.
@@ -165,6 +213,22 @@ mod tests {
             let z = relief.plane_height(i, j, DVec2::new(x, y));
             assert!((sidecar.height_mm(grey.0[0]) - z).abs() <= half_step * (1.0 + 1e-6), "{c} {r}");
         }
+    }
+
+    #[test]
+    fn a_tiff_holds_the_same_heights_and_their_scale() {
+        let mut map = mapped(&plane(Slope::new(0.1, 0.2), 2, 3, DVec2::new(3.0, 2.0)), 30);
+        map.sidecar.rim = Some("falling by 3.5°".into());
+        let mut file = std::io::Cursor::new(Vec::new());
+        map.write_tiff(&mut file).unwrap();
+        let mut read = tiff::decoder::Decoder::new(file).unwrap();
+        let text = read.get_tag_ascii_string(Tag::ImageDescription).unwrap();
+        assert!(text.is_ascii());
+        assert_eq!(serde_json::from_str::<HeightScale>(&text).unwrap(), map.sidecar);
+        let resolution = read.get_tag(Tag::XResolution).unwrap();
+        assert_eq!(format!("{resolution:?}"), "Rational(100000000, 1000000)");
+        let tiff::decoder::DecodingResult::U16(values) = read.read_image().unwrap() else { panic!() };
+        assert_eq!(&values, map.image.as_raw());
     }
 
     #[test]

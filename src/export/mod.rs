@@ -8,7 +8,16 @@ pub mod sheet;
 
 pub mod stl;
 
+pub mod obj;
+
+pub mod ply;
+
+#[cfg(feature = "meshes")]
+pub mod three_mf;
+
 pub mod mesh_files;
+
+pub mod scene_files;
 
 pub mod pixels;
 

@@ -46,13 +46,10 @@ pub(crate) fn stl_bytes(triangles: usize) -> u64 {
 /// When writing fails; `InvalidInput` when a triangle names a vertex that does not exist or there are more than 2³²
 /// triangles.
 pub fn write_stl(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
-    let invalid = |why| io::Error::new(io::ErrorKind::InvalidInput, why);
     if u32::try_from(mesh.triangles.len()).is_err() {
-        return Err(invalid("more triangles than STL can count"));
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "more triangles than STL can count"));
     }
-    if mesh.triangles.as_flattened().iter().any(|&v| v as usize >= mesh.vertices.len()) {
-        return Err(invalid("a triangle names a vertex that does not exist"));
-    }
+    whole(mesh)?;
     let triangles = (0..mesh.triangles.len()).map(|k| {
         let [a, b, c] = mesh.corners(k);
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
@@ -64,6 +61,13 @@ pub fn write_stl(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 16, out);
     out.write_all(&header)?;
     stl_io::write_stl(&mut AfterHeader { out: &mut out, left: HEADER_BYTES }, triangles)
+}
+
+/// Refuses a mesh of which a triangle names a vertex that it does not have.
+pub(super) fn whole(mesh: &Mesh) -> io::Result<()> {
+    let is_whole = mesh.triangles.as_flattened().iter().all(|&v| (v as usize) < mesh.vertices.len());
+    let stray = || io::Error::new(io::ErrorKind::InvalidInput, "a triangle names a vertex that does not exist");
+    if is_whole { Ok(()) } else { Err(stray()) }
 }
 
 /// Passes on what is written but for the first bytes, an empty header.

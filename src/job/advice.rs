@@ -73,9 +73,15 @@ fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
         );
     }
     let tilt = design.distribution.mean.tilt().to_degrees();
+    // Where lamp and wall have places, so has the plate.
+    let cure = if recipe.is_near() {
+        "moving the drawing there would spare it".into()
+    } else {
+        format!("--level mounts the plate tilted by {tilt:.1}° instead")
+    };
     Some(format!(
         "{costs:.1} mm of the relief's height are a tilt of the whole plate, since the middle of its light is not the middle \
-         of the picture: --level mounts the plate tilted by {tilt:.1}° instead."
+         of the picture: {cure}."
     ))
 }
 

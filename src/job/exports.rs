@@ -4,18 +4,25 @@
 //! `.ci/run` expects of its example and what the README lists follow from here; tests hold the latter two to it.
 
 use std::cell::OnceCell;
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 
 use super::goal::GoalProof;
 use super::pictures::{ProofPictures, target_picture};
 use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
+use crate::export::obj::write_obj;
+use crate::export::ply::write_ply;
+use crate::export::scene_files::LitPlate;
+use crate::export::scene_files::mitsuba::{BODY, LAMP, MIRROR, SCREEN};
 use crate::export::shading::ReliefPicture;
 use crate::export::sheet::sheet_solid;
 use crate::export::stl::write_stl;
+#[cfg(feature = "meshes")]
+use crate::export::three_mf::write_three_mf;
 use crate::highlight::scored_target;
 use crate::picture::Picture;
 use crate::progress::{Cancelled, Progress, Stage};
+use crate::recipe::Format;
 use crate::report::text;
 
 /// Pixels along the longer side of the height map, at the most.
@@ -50,6 +57,12 @@ pub enum When {
     Goal,
     /// If light was sent over the plate as a machine makes it.
     AsMade,
+    /// If a scene for other renderers was asked for.
+    Scene,
+    /// If one was asked for and its lamp is far away.
+    FarScene,
+    /// If this format was asked for.
+    Also(Format),
     /// If the surface that a machine and polish leave was asked for.
     Surface,
 }
@@ -61,12 +74,24 @@ pub const DESIGN: &[Export] = &[
         when: When::Always,
         write: |from, mut out| write_stl(&from.product.design.mesh, &mut out),
     },
+    Export {
+        name: "plate.obj",
+        when: When::Also(Format::Obj),
+        write: |from, mut out| write_obj(&from.product.design.mesh, &mut out),
+    },
+    Export {
+        name: "plate.ply",
+        when: When::Also(Format::Ply),
+        write: |from, mut out| write_ply(&from.product.design.mesh, &mut out),
+    },
+    Export { name: "plate.3mf", when: When::Also(Format::ThreeMf), write: |from, out| from.three_mf(out) },
     Export { name: "heightmap.png", when: When::Always, write: |from, out| png(&from.map()?.image, out) },
     Export {
         name: "heightmap.json",
         when: When::Always,
         write: |from, out| out.write_all(text(&from.map()?.sidecar).as_bytes()),
     },
+    Export { name: "heightmap.tiff", when: When::Also(Format::Tiff), write: |from, out| from.map_in_tiff(out) },
     Export { name: "relief.png", when: When::Always, write: |from, out| from.relief(out) },
     Export { name: "target.png", when: When::Always, write: |from, out| from.target(out) },
     Export {
@@ -88,6 +113,20 @@ pub const DESIGN: &[Export] = &[
         name: "comparison_made.png",
         when: When::AsMade,
         write: |from, out| from.proof(|p, out| p.made.as_ref().map_or(Ok(()), |page| png(page, out)), out),
+    },
+    Export {
+        name: "scene.xml",
+        when: When::Scene,
+        write: |from, out| from.lit()?.write_mitsuba(&from.product.described(), out),
+    },
+    Export { name: MIRROR, when: When::Scene, write: |from, mut out| write_ply(&from.lit()?.mirror, &mut out) },
+    Export { name: BODY, when: When::Scene, write: |from, mut out| write_ply(&from.lit()?.body, &mut out) },
+    Export { name: SCREEN, when: When::Scene, write: |from, out| from.lit()?.screen.write(out) },
+    Export { name: LAMP, when: When::FarScene, write: |from, out| from.lit()?.beam.write(out) },
+    Export {
+        name: "scene.glb",
+        when: When::Scene,
+        write: |from, out| from.lit()?.write_gltf(&from.product.described(), out),
     },
     Export { name: "as-made.stl", when: When::Surface, write: |from, out| from.surface(out) },
     Export {
@@ -235,11 +274,13 @@ struct Source<'a> {
     progress: &'a Progress<'a>,
     map: OnceCell<HeightMap>,
     pictures: OnceCell<ProofPictures>,
+    lit: OnceCell<LitPlate>,
 }
 
 impl<'a> Source<'a> {
     fn new(product: &'a Product, picture: &'a Picture, progress: &'a Progress<'a>) -> Self {
-        Self { product, picture, progress, map: OnceCell::new(), pictures: OnceCell::new() }
+        let (map, pictures, lit) = Default::default();
+        Self { product, picture, progress, map, pictures, lit }
     }
 
     /// The files that are to be written.
@@ -254,6 +295,9 @@ impl<'a> Source<'a> {
             When::Milled => milled,
             When::Goal => self.product.goal.as_ref().is_some_and(GoalProof::is_traced),
             When::AsMade => made.is_some(),
+            When::Scene => self.product.recipe.files.scene_files,
+            When::FarScene => self.product.recipe.files.scene_files && self.product.has_lamp_sheet(),
+            When::Also(format) => self.product.recipe.writes(format),
             When::Surface => surface,
         })
     }
@@ -264,6 +308,29 @@ impl<'a> Source<'a> {
             map.sidecar.rim = self.product.about_rim();
             Ok(map)
         })
+    }
+
+    fn lit(&self) -> io::Result<&LitPlate> {
+        made_once(&self.lit, || self.product.lit_plate(self.progress))
+    }
+
+    /// The encoder of TIFF goes back in what it writes.
+    fn map_in_tiff(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut file = Cursor::new(Vec::new());
+        self.map()?.write_tiff(&mut file)?;
+        out.write_all(file.get_ref())
+    }
+
+    #[cfg(feature = "meshes")]
+    fn three_mf(&self, mut out: &mut dyn Write) -> io::Result<()> {
+        let about = [("Title", "Relief plate".to_owned()), ("Description", self.product.described())];
+        write_three_mf(&self.product.design.mesh, &about, &mut out)
+    }
+
+    /// No recipe that asks for it passes its check.
+    #[cfg(not(feature = "meshes"))]
+    fn three_mf(&self, _: &mut dyn Write) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
     }
 
     fn surface(&self, mut out: &mut dyn Write) -> io::Result<()> {

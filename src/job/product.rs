@@ -62,6 +62,15 @@ impl Product {
         (plate.border > 0.0).then(|| format!("rim of {} mm: {finish}", plate.border))
     }
 
+    /// The plate as a file tells of it, which goes to a shop without the report.
+    pub(super) fn described(&self) -> String {
+        let rim = self.about_rim().map(|rim| format!("; {rim}")).unwrap_or_default();
+        format!(
+            "{}{rim}. Unit mm; x = y = 0 is the lower-left corner of the optical area, z points out of the plate.",
+            self.in_one_line()
+        )
+    }
+
     /// The plate in one line, for captions.
     pub(super) fn in_one_line(&self) -> String {
         let Recipe { plate, light, highlight, .. } = &self.recipe;

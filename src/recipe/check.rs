@@ -1,7 +1,7 @@
 //! Which recipes can be made at all.
 
 use super::settings::{MOST_FACETS, SETTINGS, within};
-use super::{BorderFinish, Recipe, RecipeError, SurfaceKind};
+use super::{BorderFinish, Format, Recipe, RecipeError, SurfaceKind};
 use crate::cutter::Cutter;
 use crate::sculpt::milled_facets::{Places, least_diameter};
 use crate::sculpt::tool::Tool;
@@ -16,9 +16,14 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        let field = self.highlight.half_field;
+        if self.reading().aspect.is_some_and(|aspect| !(0.1..=10.0).contains(&aspect)) {
+            return Err(RecipeError::LongField { field });
+        }
         self.check_scene()?;
         self.check_kind()?;
         self.machining()?;
+        self.check_files()?;
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
         }
@@ -26,6 +31,13 @@ impl Recipe {
             SurfaceKind::Facets => self.check_facets(),
             SurfaceKind::Sheet => self.check_sheet(),
         }
+    }
+
+    fn check_files(&self) -> Result<(), RecipeError> {
+        if !cfg!(feature = "meshes") && self.writes(Format::ThreeMf) {
+            return Err(RecipeError::FormatLeftOut { format: Format::ThreeMf });
+        }
+        Ok(())
     }
 
     fn check_facets(&self) -> Result<(), RecipeError> {
@@ -123,8 +135,8 @@ mod tests {
             RecipeError::OutOfRange { setting, .. } => setting,
             other => panic!("{other}"),
         };
-        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0)), "half-field");
-        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN)), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0.into())), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN.into())), "half-field");
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");

@@ -4,11 +4,15 @@ mod border_finish;
 
 mod cells;
 
+mod half_field;
+
 mod sections;
 
 mod scene;
 
 mod machining;
+
+mod files;
 
 mod derived;
 
@@ -30,6 +34,8 @@ pub use crate::cutter::{Cutter, CutterError};
 pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
 pub use error::RecipeError;
+pub use files::{FileSettings, Format, FormatError, Formats};
+pub use half_field::HalfField;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
 pub use scene::{NearMethod, SceneFault, SceneSettings};
@@ -73,6 +79,9 @@ pub struct Recipe {
     /// How it is made, if a machine is named.
     #[serde(skip_serializing_if = "is_unmade")]
     pub machining: MachiningSettings,
+    /// What is written beside the files of every design.
+    #[serde(skip_serializing_if = "has_no_more")]
+    pub files: FileSettings,
 }
 
 impl Recipe {
@@ -92,6 +101,10 @@ impl Recipe {
 
 fn is_unmade(machining: &MachiningSettings) -> bool {
     *machining == MachiningSettings::default()
+}
+
+fn has_no_more(files: &FileSettings) -> bool {
+    *files == FileSettings::default()
 }
 
 fn is_specular(part: &GoalPart) -> bool {

@@ -32,6 +32,8 @@ mod path_tracer;
 
 pub mod render;
 
+pub mod patch_view;
+
 pub mod verdict;
 
 pub mod rim;

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use serde_json::Value;
+
 use super::program::{home, listing, run_line};
 use super::{ALL_FILES, SMALL, assert_done, assert_refused, assert_same_plate, json, names};
 
@@ -39,6 +41,34 @@ fn a_design_writes_every_file_and_says_what_it_made() {
     let again = run_line(home.path(), &format!("design ring.png -o new/plate {SMALL}"));
     assert_refused(&again, 5, &["new/plate", "--force"]);
     assert_eq!(fs::read(folder.join("report.json")).unwrap(), before);
+}
+
+#[test]
+fn other_formats_are_written_when_they_are_asked_for_and_the_recipe_keeps_them() {
+    let home = home();
+    assert_done(&run_line(home.path(), &format!("design ring.png -o one {SMALL} --no-verify --also 3mf,tiff,ply,obj")));
+    let (one, two) = (home.path().join("one"), home.path().join("two"));
+    assert_done(&run_line(home.path(), "design --recipe one/recipe.toml --threads 1 --no-verify -o two"));
+    for name in ["plate.obj", "plate.ply", "plate.3mf", "heightmap.tiff", "plate.stl", "heightmap.png"] {
+        assert_eq!(fs::read(one.join(name)).unwrap(), fs::read(two.join(name)).unwrap(), "{name}");
+    }
+    let recipe = fs::read_to_string(one.join("recipe.toml")).unwrap();
+    assert!(recipe.contains("also = [\"obj\", \"ply\", \"3mf\", \"tiff\"]"), "{recipe}");
+    // The light of each is that of the STL; only 3MF says its unit.
+    let tv = |file: &str| {
+        let done = run_line(home.path(), &format!("verify two/{file} --against ring.png --rays 5000 --json"));
+        assert_done(&done);
+        serde_json::from_str::<Value>(&done.stdout).unwrap()["verified"]["tv"]["1"].clone()
+    };
+    let stl = tv("plate.stl");
+    assert!(stl.is_number());
+    assert_eq!(["plate.obj", "plate.ply", "plate.3mf"].map(tv), [stl.clone(), stl.clone(), stl]);
+    // What is no longer asked for goes.
+    assert_done(&run_line(home.path(), &format!("design ring.png -o one {SMALL} --no-verify --also obj --force")));
+    assert!(one.join("plate.obj").exists() && !one.join("plate.ply").exists() && !one.join("heightmap.tiff").exists());
+    let refused = run_line(home.path(), "design ring.png -o three --also obj,stl");
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("'stl'") && refused.stderr.contains("3mf") && !home.path().join("three").exists());
 }
 
 #[test]

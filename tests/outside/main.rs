@@ -9,11 +9,13 @@ mod plates;
 mod shop;
 
 mod asking;
+mod files_read;
 mod linuxcnc;
 mod looks;
 mod mesh_checkers;
 mod referee;
 mod referee_figures;
 mod renderer;
+mod scenes;
 mod stl_light;
 mod ztests;

@@ -155,6 +155,7 @@ fn difference(theirs: &Recipe, ours: &Recipe) -> Option<String> {
         let mut recipe = recipe.clone();
         // The picture is told by its light, and rays only by the proof.
         (recipe.picture, recipe.picture_bytes, recipe.verify) = (None, None, Default::default());
+        recipe.files = Default::default();
         serde_json::to_value(recipe).unwrap_or_default()
     };
     first_difference("", &plain(theirs), &plain(ours))

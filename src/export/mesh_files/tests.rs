@@ -6,6 +6,9 @@ use std::io::Write as _;
 use glam::DVec3;
 
 use super::*;
+use crate::export::obj::write_obj;
+use crate::export::ply::write_ply;
+use crate::export::three_mf::write_three_mf;
 
 /// Corners of a block of 2 × 3 × 4 mm, and its faces, outward.
 const CORNERS: [[f32; 3]; 8] = [
@@ -36,6 +39,31 @@ fn block(bytes: impl AsRef<[u8]>, format: &str) -> ReadMesh {
     };
     assert!(((0..12).map(volume).sum::<f64>() - 24.0).abs() < 1e-9);
     read
+}
+
+#[test]
+fn what_is_written_in_every_format_is_read_to_the_last_digit() {
+    // Heights that need all their digits, and a vertex after the others' order.
+    let vertices = vec![[0.1, 0.0, 1.0e-7], [2.0 / 3.0, 0.0, -1.0e9], [0.0, 1.0 / 3.0, 2.5], [0.0, 0.0, 16_777_217.0]];
+    let mesh = Mesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3], [1, 0, 3], [2, 1, 3]] };
+    let mut files = [("OBJ", Vec::new()), ("PLY", Vec::new()), ("3MF", Vec::new())];
+    write_obj(&mesh, &mut files[0].1).unwrap();
+    write_ply(&mesh, &mut files[1].1).unwrap();
+    let about = [("Title", "a < b & \"c\"".to_owned())];
+    write_three_mf(&mesh, &about, &mut files[2].1).unwrap();
+    for (format, bytes) in &files {
+        let read = read(bytes).unwrap();
+        assert_eq!((read.format, read.mesh == mesh), (*format, true), "{:?}", read.mesh);
+        assert_eq!((read.has_unit, read.notes.len()), (*format == "3MF", 0));
+    }
+    let stray = Mesh { triangles: vec![[0, 1, 4]], ..mesh.clone() };
+    let mut nothing = Vec::new();
+    for error in
+        [write_obj(&stray, &mut nothing), write_ply(&stray, &mut nothing), write_three_mf(&stray, &about, &mut nothing)]
+    {
+        assert_eq!(error.unwrap_err().kind(), io::ErrorKind::InvalidInput);
+    }
+    assert!(nothing.is_empty());
 }
 
 /// The block as text STL.

@@ -7,6 +7,7 @@ pub mod value;
 
 mod table;
 
+mod files;
 mod machining;
 mod running;
 mod scene;
@@ -22,9 +23,9 @@ use super::{Recipe, RecipeError, SurfaceKind};
 /// Every setting but the picture itself, in the order of the help.
 pub static SETTINGS: &[Setting] = &joined();
 
-const PARTS: [&[Setting]; 4] = [table::GENERAL, running::RUNNING, &scene::SCENE, &machining::MAKING];
+const PARTS: [&[Setting]; 5] = [table::GENERAL, running::RUNNING, &scene::SCENE, &machining::MAKING, files::FILES];
 
-const COUNT: usize = PARTS[0].len() + PARTS[1].len() + PARTS[2].len() + PARTS[3].len();
+const COUNT: usize = PARTS[0].len() + PARTS[1].len() + PARTS[2].len() + PARTS[3].len() + PARTS[4].len();
 
 const fn joined() -> [Setting; COUNT] {
     let mut all = [table::PLAIN; COUNT];
@@ -86,6 +87,8 @@ pub enum Section {
     Design,
     /// How it is made.
     Machining,
+    /// What is written.
+    Files,
     /// How it is proved.
     Running,
 }
@@ -99,6 +102,7 @@ impl Section {
             Self::Plate => "Plate",
             Self::Design => "Design",
             Self::Machining => "As a machine makes it",
+            Self::Files => "Files",
             Self::Running => "Running",
         }
     }

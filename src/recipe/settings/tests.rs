@@ -30,6 +30,7 @@ fn other(setting: &Setting) -> String {
         }
         Form::Switch => "true".into(),
         Form::Text("FINISH") => format!("sloped:{high}"),
+        Form::Text("FORMATS") => "obj,tiff".into(),
         Form::Text("CUTTER") => format!("ball:{high}"),
         Form::Text("WxH") | Form::Text("NxM") => format!("{high}x{high}"),
         Form::Text("THETA,PHI") => "1,2".into(),
@@ -104,7 +105,7 @@ fn help_says_the_unit_and_words_are_those_of_the_recipe() {
         assert!(setting.help.contains(setting.unit.name()), "{}: {}", setting.name, setting.unit.name());
         assert_eq!(
             setting.unit == Unit::None,
-            !matches!(setting.form, Form::Text(form) if !["N", "NxM", "K"].contains(&form)),
+            !matches!(setting.form, Form::Text(form) if !["N", "NxM", "K", "FORMATS"].contains(&form)),
             "{}",
             setting.name
         );

@@ -17,7 +17,8 @@ use crate::projection::Projection;
 use crate::scene::room::Room;
 
 use super::super::{
-    Arrangement, BorderFinish, Cells, Heights, LightSettings, NearMethod, PassOrder, Seen, SurfaceKind,
+    Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod, PassOrder,
+    Seen, SurfaceKind,
 };
 
 /// A number with or without a fraction.
@@ -148,9 +149,35 @@ impl Value for Cells {
     }
 }
 
+/// One angle both ways, or two with an x between them.
+impl Value for HalfField {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        self.0 = if text.contains('x') { pair(text, 'x', number)? } else { [number(text)?; 2] };
+        Ok(())
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+}
+
 impl Value for bool {
     fn read(&mut self, text: &str) -> Result<(), String> {
         text.trim().parse().map(|value| *self = value).map_err(|_| "write true or false".into())
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+impl Value for Formats {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        text.parse().map(|formats| *self = formats).map_err(|error: FormatError| error.to_string())
     }
 
     fn written(&self) -> Option<String> {

@@ -58,7 +58,7 @@ pub fn measure(
         _ => args.lamp_radius.unwrap_or(0.0),
     };
     // The whole highlight, what the plate's own size adds, and a rim.
-    let reach = bench.recipe.highlight.half_field.min(80.0).to_radians().tan();
+    let reach = bench.recipe.highlight.half_field.reach().min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
     let all = if scene.is_some() { usual.half_width } else { 1.1 * (wall_distance * reach + spread) };
     let half_width = args.wall_width.map_or(all, |width| 0.5 * width);
