@@ -205,6 +205,8 @@ fn sheet<'a>(
         files,
         rim,
         verdict: report.light.clone(),
+        polish: None,
+        more: Vec::new(),
         pictures: picture.into_iter().collect(),
         advice: &report.advice,
     }
@@ -258,6 +260,7 @@ fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> 
         blank,
         roughing,
         name: plates::name(args.the_plate()),
+        passes: None,
     })
 }
 
