@@ -25,6 +25,7 @@ use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::{MeasureError, Measurement};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::{Wanted, change, likeness};
+use glam::DVec2;
 
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
@@ -165,32 +166,45 @@ pub fn send_over_milled_mesh(
     if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
     }
-    let (low, high) = mesh.bounds();
-    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
-    mirrored.progress.stage(Stage::Milling);
-    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
     let progress = mirrored.progress;
-    match recognise(if margin > 0.0 { &upper } else { mesh }, progress)? {
-        Some(Recognised::Heights(grid)) => {
+    progress.stage(Stage::Milling);
+    match within_rim(mesh, margin, progress)? {
+        Some((Recognised::Heights(grid), (low, high))) => {
             let Some(relief) = repeated(&grid, low, high, recipe.cells()) else { return Ok(None) };
             let made = CutSheet::of(recipe, &relief, progress)?;
             let solid = sheet_solid(&made.relief, recipe.plate.thickness, 0.0, progress)?;
             let surface = TracedPlate::new(&solid, 0.0, progress)?;
             Ok(Some((surface.run(mirrored)?, made.left)))
         }
-        Some(Recognised::Facets(mut relief)) => {
-            let lines = |lines: &[f64], low: f64, high: f64| {
-                let slack = 1e-6 * (high - low);
-                let first = lines.partition_point(|line| *line < low - slack);
-                first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
-            };
-            relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
-            let whole = !relief.optical.0.is_empty() && !relief.optical.1.is_empty();
-            let cutter = cutter.filter(|_| whole);
+        Some((Recognised::Facets(relief), _)) => {
             Ok(cutter.map(|cutter| send_over_milled_facets(&relief, cutter, mirrored)).transpose()?)
         }
         None => Ok(None),
     }
+}
+
+/// What stands in `mesh` but for the rim of `margin` mm, and the corners of that, mm; `None` if it is no plate of ours.
+pub(super) fn within_rim(
+    mesh: &Mesh,
+    margin: f64,
+    progress: &Progress,
+) -> Result<Option<(Recognised, (DVec2, DVec2))>, Cancelled> {
+    let (low, high) = mesh.bounds();
+    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
+    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
+    let Some(mut found) = recognise(if margin > 0.0 { &upper } else { mesh }, progress)? else { return Ok(None) };
+    if let Recognised::Facets(relief) = &mut found {
+        let lines = |lines: &[f64], low: f64, high: f64| {
+            let slack = 1e-6 * (high - low);
+            let first = lines.partition_point(|line| *line < low - slack);
+            first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
+        };
+        relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
+        if relief.optical.0.is_empty() || relief.optical.1.is_empty() {
+            return Ok(None);
+        }
+    }
+    Ok(Some((found, (low, high))))
 }
 
 /// Light sent over facets as their cutter leaves them, and the most that it leaves, mm.

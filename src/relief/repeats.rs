@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::height_grid::{HeightGrid, rises};
 use super::mesh::Mesh;
+use super::open::OpenRelief;
 use super::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
@@ -52,6 +53,21 @@ pub fn repeated(grid: &HeightGrid, low: DVec2, high: DVec2, cells: [usize; 2]) -
     (0..x.count * y.count).all(|k| as_cut(&k)).then_some(relief)
 }
 
+/// The part of `grid` from corner `low` to corner `high` as a sheet of which nothing is repeated; `None` if its lines are
+/// not even.
+pub fn unrepeated(grid: &HeightGrid, low: DVec2, high: DVec2) -> Option<OpenRelief> {
+    let (x, y) = (evenly(&grid.x, low.x, high.x)?, evenly(&grid.y, low.y, high.y)?);
+    let rows = (0..=y.count).map(|j| (y.first + j) * grid.x.len() + x.first);
+    let heights: Vec<f64> = rows.flat_map(|at| grid.heights[at..=at + x.count].iter().copied()).collect();
+    // Single precision is for heights above the lowest, not above the underside.
+    let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    Some(OpenRelief {
+        nodes: [x.count + 1, y.count + 1],
+        step: (high - low) / DVec2::new(x.count as f64, y.count as f64),
+        heights: heights.into_iter().map(|z| (z - lowest) as f32).collect(),
+    })
+}
+
 /// The part of a mesh whose triangles look up between corner `low` and corner `high`: a border, which is cut as few
 /// triangles as will do, hides the grid within it.
 pub fn within(mesh: &Mesh, low: DVec2, high: DVec2) -> Mesh {
@@ -96,6 +112,7 @@ fn evenly(lines: &[f64], low: f64, high: f64) -> Option<Evenly> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::open::NodeGrid;
     use super::super::recognise::{Recognised, recognise};
     use super::*;
     use crate::export::sheet::sheet_solid;
@@ -126,6 +143,13 @@ mod tests {
                 assert!((a - (b - mean)).abs() < 1e-5);
             }
             assert!(repeated(&grid, optical.0, optical.1, [1, 1]).is_none());
+            let open = unrepeated(&grid, optical.0, optical.1).unwrap();
+            assert_eq!(open.nodes, [25, 17]);
+            assert!((open.size() - DVec2::new(12.0, 12.0)).length() < 1e-5);
+            let lowest = open.heights.iter().copied().fold(f32::INFINITY, f32::min);
+            let above = |i: usize, j: usize| open.heights[j * 25 + i] - open.heights[0];
+            let tilt = sheet.tilt.to_vec().dot(DVec2::new(4.0, 6.0)) as f32;
+            assert!(lowest == 0.0 && (above(8, 8) - tilt).abs() < 1e-5);
             let mut worn = grid.clone();
             let middle = worn.heights.len() / 2;
             worn.heights[middle] += 1e-3;
