@@ -65,6 +65,11 @@ impl View {
         self.projection
     }
 
+    /// From the image's middle to its rim across the axis, in distances to its middle: sin H, H or tan H.
+    pub const fn image_scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Half field H in radians.
     pub const fn half_field(&self) -> f64 {
         self.half_field

@@ -132,7 +132,7 @@ impl MillReport {
 }
 
 impl ProgramFacts {
-    fn new(file: &ShopFile) -> Self {
+    pub(super) fn new(file: &ShopFile) -> Self {
         Self {
             part: file.part.name().to_owned(),
             file: file.name.to_owned(),

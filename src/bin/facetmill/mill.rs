@@ -206,6 +206,8 @@ fn sheet<'a>(
         files,
         rim,
         verdict: report.light.clone(),
+        polish: None,
+        more: Vec::new(),
         pictures: picture.into_iter().collect(),
         advice: &report.advice,
     }
@@ -259,6 +261,7 @@ fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> 
         blank,
         roughing,
         name: plates::name(args.the_plate()),
+        passes: None,
     })
 }
 

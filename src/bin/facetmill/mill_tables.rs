@@ -19,7 +19,8 @@ pub fn mill_in_short(folder: &Path, report: &MillReport) -> Vec<Row> {
     rows
 }
 
-fn program_row(folder: &Path, program: &ProgramFacts) -> Row {
+/// One program: its file, how fast it goes and how long it takes.
+pub fn program_row(folder: &Path, program: &ProgramFacts) -> Row {
     let ProgramFacts { cutter, feed_mm_per_min, turns_per_min, read, .. } = program;
     let pace = match program.part.as_str() {
         "air cut" => "the spindle standing".to_owned(),
