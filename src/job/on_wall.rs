@@ -2,7 +2,6 @@
 
 use super::design::{Design, DesignError};
 use super::findings::{MilledProof, Proof, RimProof, WallDiffraction, WallLight, WallProof};
-use super::proof::within_rim;
 use super::scene_facts::{in_words, mirror_miss, sag, stopped_by_lamp};
 use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
@@ -15,7 +14,7 @@ use crate::relief::height_grid::HeightGrid;
 use crate::relief::mesh::Mesh;
 use crate::relief::open::{NodeGrid, OpenRelief};
 use crate::relief::recognise::Recognised;
-use crate::relief::repeats::unrepeated;
+use crate::relief::repeats::{unrepeated, within_rim};
 use crate::report::on_wall::{CellsOnWall, DiffractionOnWall, OnWallFacts, UnderSun};
 use crate::scene::Scene;
 use crate::sculpt::detail::WAVELENGTH;

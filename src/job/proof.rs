@@ -11,8 +11,8 @@ use crate::recipe::{BorderFinish, Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
-use crate::relief::recognise::{Recognised, recognise};
-use crate::relief::repeats::{repeated, within};
+use crate::relief::recognise::Recognised;
+use crate::relief::repeats::{repeated, within_rim};
 use crate::sculpt::detail::{diffracted, smallest_detail};
 use crate::sculpt::milled_facets::milled_facets;
 use crate::sculpt::tool::{Tool, polished};
@@ -25,7 +25,6 @@ use crate::verify::rim::{OverRim, RimLight};
 use crate::verify::tally::{MeasureError, Measurement};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::{Wanted, change, likeness};
-use glam::DVec2;
 
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
@@ -181,30 +180,6 @@ pub fn send_over_milled_mesh(
         }
         None => Ok(None),
     }
-}
-
-/// What stands in `mesh` but for the rim of `margin` mm, and the corners of that, mm; `None` if it is no plate of ours.
-pub(super) fn within_rim(
-    mesh: &Mesh,
-    margin: f64,
-    progress: &Progress,
-) -> Result<Option<(Recognised, (DVec2, DVec2))>, Cancelled> {
-    let (low, high) = mesh.bounds();
-    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
-    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
-    let Some(mut found) = recognise(if margin > 0.0 { &upper } else { mesh }, progress)? else { return Ok(None) };
-    if let Recognised::Facets(relief) = &mut found {
-        let lines = |lines: &[f64], low: f64, high: f64| {
-            let slack = 1e-6 * (high - low);
-            let first = lines.partition_point(|line| *line < low - slack);
-            first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
-        };
-        relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
-        if relief.optical.0.is_empty() || relief.optical.1.is_empty() {
-            return Ok(None);
-        }
-    }
-    Ok(Some((found, (low, high))))
 }
 
 /// Light sent over facets as their cutter leaves them, and the most that it leaves, mm.

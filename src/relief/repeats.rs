@@ -6,6 +6,8 @@ use super::height_grid::{HeightGrid, rises};
 use super::mesh::Mesh;
 use super::open::OpenRelief;
 use super::periodic::PeriodicRelief;
+use super::recognise::{Recognised, recognise};
+use crate::progress::{Cancelled, Progress};
 use crate::slope::Slope;
 
 /// Heights of the same node in two cells may differ by this, mm: what single precision leaves of plates some mm high.
@@ -70,7 +72,7 @@ pub fn unrepeated(grid: &HeightGrid, low: DVec2, high: DVec2) -> Option<OpenReli
 
 /// The part of a mesh whose triangles look up between corner `low` and corner `high`: a border, which is cut as few
 /// triangles as will do, hides the grid within it.
-pub fn within(mesh: &Mesh, low: DVec2, high: DVec2) -> Mesh {
+fn within(mesh: &Mesh, low: DVec2, high: DVec2) -> Mesh {
     let slack = 1e-6 * (high - low);
     let inside = |v: DVec3| v.truncate().cmpge(low - slack).all() && v.truncate().cmple(high + slack).all();
     let mut part = Mesh::default();
@@ -110,13 +112,35 @@ fn evenly(lines: &[f64], low: f64, high: f64) -> Option<Evenly> {
     even.then_some(Evenly { first, count })
 }
 
+/// What stands in `mesh` but for the rim of `margin` mm, and the corners of that, mm; `None` if it is no plate of ours.
+pub(crate) fn within_rim(
+    mesh: &Mesh,
+    margin: f64,
+    progress: &Progress,
+) -> Result<Option<(Recognised, (DVec2, DVec2))>, Cancelled> {
+    let (low, high) = mesh.bounds();
+    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
+    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
+    let Some(mut found) = recognise(if margin > 0.0 { &upper } else { mesh }, progress)? else { return Ok(None) };
+    if let Recognised::Facets(relief) = &mut found {
+        let lines = |lines: &[f64], low: f64, high: f64| {
+            let slack = 1e-6 * (high - low);
+            let first = lines.partition_point(|line| *line < low - slack);
+            first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
+        };
+        relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
+        if relief.optical.0.is_empty() || relief.optical.1.is_empty() {
+            return Ok(None);
+        }
+    }
+    Ok(Some((found, (low, high))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::open::NodeGrid;
-    use super::super::recognise::{Recognised, recognise};
     use super::*;
     use crate::export::sheet::sheet_solid;
-    use crate::progress::Progress;
 
     fn sheet() -> PeriodicRelief {
         let heights = (0..64).map(|k| ((k * 37 % 64) as f32) / 200.0).collect();

@@ -44,8 +44,7 @@ pub fn in_room(
     recipe: &mut Recipe,
     scene: &Scene,
     opened: &Opened,
-    light: &Raster,
-    margin: f64,
+    (light, margin): (&Raster, f64),
     mirrored: Mirrored,
 ) -> Result<Proof, Failure> {
     recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();

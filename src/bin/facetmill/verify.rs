@@ -231,7 +231,7 @@ fn proof(
             // Nobody knows of a file where its cells end.
             recipe.plate.cells = Some(1.into());
         }
-        return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
+        return in_room(recipe, &scene, opened, (&picture.light, margin), mirrored);
     }
     let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
     let measurement = opened.plate.run(mirrored).map_err(unlit)?;
