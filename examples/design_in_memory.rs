@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let picture = from_raster(drawing, &Reading::default())?;
 
     let mut recipe = Recipe::default();
-    recipe.highlight.half_field = 15.0; // degrees from the middle of the drawing to its rim
+    recipe.highlight.half_field = 15.0.into(); // degrees from the middle of the drawing to its rim
     recipe.plate.size = [40.0, 40.0]; // mm
     recipe.plate.facets = Some([40, 40]);
     recipe.plate.border = 3.0; // mm

@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let measuring = Measuring { rays: 500_000, ..Measuring::default() };
     let mut recipe = Recipe::default();
     recipe.plate.facets = Some([30, 30]);
-    recipe.highlight.half_field = 15.0;
+    recipe.highlight.half_field = 15.0.into();
     recipe.highlight.projection = Projection::Equidistant;
     recipe.light.phi = 90.0;
     recipe.verify.rays = measuring.rays;

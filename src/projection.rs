@@ -65,6 +65,11 @@ impl View {
         self.projection
     }
 
+    /// From the image's middle to its rim across the axis, in distances to its middle: sin H, H or tan H.
+    pub const fn image_scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Half field H in radians.
     pub const fn half_field(&self) -> f64 {
         self.half_field
@@ -161,7 +166,7 @@ impl View {
 
 impl Projection {
     /// Length on the image plane, before scaling, of an angle from the centre.
-    fn plane_length(self, angle: f64) -> f64 {
+    pub(crate) fn plane_length(self, angle: f64) -> f64 {
         match self {
             Self::Orthographic => angle.sin(),
             Self::Equidistant => angle,

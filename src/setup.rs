@@ -73,6 +73,17 @@ impl Setup {
         DistantLamp { direction: self.light(), extent: self.lamp.extent.clone() }
     }
 
+    /// Right, up and toward the looked-at directions of an image whose u and v are lengths across one axis (plate's frame): z
+    /// of the drawing's frame for the orthographic projection, the image's middle for the others.
+    pub fn image_axes(&self) -> [DVec3; 3] {
+        let axis = match self.view.projection() {
+            Projection::Orthographic => DVec3::Z,
+            Projection::Equidistant | Projection::Screen => self.view.centre(),
+        };
+        let (e1, e2) = carried_axes(axis);
+        [e1, e2, axis].map(|axis| self.mount.transpose() * axis)
+    }
+
     /// Angular radius of a round lamp, radians; 0 of a picture.
     pub const fn light_radius(&self) -> f64 {
         match self.lamp.extent {

@@ -17,6 +17,8 @@ pub mod three_mf;
 
 pub mod mesh_files;
 
+pub mod scene_files;
+
 pub mod pixels;
 
 pub mod lettering;

@@ -13,16 +13,37 @@ use crate::relief::mesh::Mesh;
 /// # Errors
 /// When writing fails; `InvalidInput` when a triangle names a vertex that does not exist.
 pub fn write_ply(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
+    write(mesh, None, out)
+}
+
+/// The same, each vertex of a grey of its own, from 0 to 1.
+///
+/// # Errors
+/// When writing fails; `InvalidInput` when a triangle names a vertex that does not exist, or greys are too few.
+pub(super) fn write_grey_ply(mesh: &Mesh, greys: &[f32], out: &mut impl Write) -> io::Result<()> {
+    if greys.len() != mesh.vertices.len() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "as many greys as vertices are needed"));
+    }
+    write(mesh, Some(greys), out)
+}
+
+fn write(mesh: &Mesh, greys: Option<&[f32]>, out: &mut impl Write) -> io::Result<()> {
     whole(mesh)?;
     let mut out = BufWriter::with_capacity(1 << 16, out);
     writeln!(out, "ply\nformat binary_little_endian 1.0")?;
     writeln!(out, "comment facetmill {}, unit mm, right-handed, z up", env!("CARGO_PKG_VERSION"))?;
     writeln!(out, "element vertex {}", mesh.vertices.len())?;
     writeln!(out, "property float x\nproperty float y\nproperty float z")?;
+    if greys.is_some() {
+        writeln!(out, "property float r\nproperty float g\nproperty float b")?;
+    }
     writeln!(out, "element face {}", mesh.triangles.len())?;
     writeln!(out, "property list uchar int vertex_indices\nend_header")?;
-    for number in mesh.vertices.as_flattened() {
-        out.write_all(&number.to_le_bytes())?;
+    for (k, place) in mesh.vertices.iter().enumerate() {
+        let colour = greys.map(|greys| [greys[k]; 3]);
+        for number in place.iter().chain(colour.iter().flatten()) {
+            out.write_all(&number.to_le_bytes())?;
+        }
     }
     for triangle in &mesh.triangles {
         out.write_all(&[3])?;

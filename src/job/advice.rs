@@ -73,9 +73,15 @@ fn mean_slope(recipe: &Recipe, design: &Design) -> Option<String> {
         );
     }
     let tilt = design.distribution.mean.tilt().to_degrees();
+    // Where lamp and wall have places, so has the plate.
+    let cure = if recipe.is_near() {
+        "moving the drawing there would spare it".into()
+    } else {
+        format!("--level mounts the plate tilted by {tilt:.1}° instead")
+    };
     Some(format!(
         "{costs:.1} mm of the relief's height are a tilt of the whole plate, since the middle of its light is not the middle \
-         of the picture: --level mounts the plate tilted by {tilt:.1}° instead."
+         of the picture: {cure}."
     ))
 }
 
@@ -86,11 +92,16 @@ fn straying(design: &Design) -> Option<String> {
 }
 
 fn no_cutter(recipe: &Recipe) -> Option<String> {
-    let sharp = recipe.surface() == SurfaceKind::Sheet && recipe.design.sheet.cutter.is_none();
-    sharp.then(|| {
-        "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
-            .into()
-    })
+    let sentence = match recipe.surface() {
+        SurfaceKind::Sheet => {
+            "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
+        }
+        SurfaceKind::Facets => {
+            "No cutter was named, so steps and valleys are as sharp as facets: --for-cutter ball:0.5 tells what a mill leaves \
+             of their light."
+        }
+    };
+    recipe.design.sheet.cutter.is_none().then(|| sentence.into())
 }
 
 /// More detail in the picture than lamp and metal, or the facets, can show.

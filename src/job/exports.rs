@@ -12,6 +12,8 @@ use super::product::{Content, Product, png};
 use crate::export::heightmap::{HeightMap, height_map};
 use crate::export::obj::write_obj;
 use crate::export::ply::write_ply;
+use crate::export::scene_files::LitPlate;
+use crate::export::scene_files::mitsuba::{BODY, LAMP, MIRROR, SCREEN};
 use crate::export::shading::ReliefPicture;
 use crate::export::sheet::sheet_solid;
 use crate::export::stl::write_stl;
@@ -55,6 +57,10 @@ pub enum When {
     Goal,
     /// If light was sent over the plate as a machine makes it.
     AsMade,
+    /// If a scene for other renderers was asked for.
+    Scene,
+    /// If one was asked for and its lamp is far away.
+    FarScene,
     /// If this format was asked for.
     Also(Format),
     /// If the surface that a machine and polish leave was asked for.
@@ -107,6 +113,20 @@ pub const DESIGN: &[Export] = &[
         name: "comparison_made.png",
         when: When::AsMade,
         write: |from, out| from.proof(|p, out| p.made.as_ref().map_or(Ok(()), |page| png(page, out)), out),
+    },
+    Export {
+        name: "scene.xml",
+        when: When::Scene,
+        write: |from, out| from.lit()?.write_mitsuba(&from.product.described(), out),
+    },
+    Export { name: MIRROR, when: When::Scene, write: |from, mut out| write_ply(&from.lit()?.mirror, &mut out) },
+    Export { name: BODY, when: When::Scene, write: |from, mut out| write_ply(&from.lit()?.body, &mut out) },
+    Export { name: SCREEN, when: When::Scene, write: |from, out| from.lit()?.screen.write(out) },
+    Export { name: LAMP, when: When::FarScene, write: |from, out| from.lit()?.beam.write(out) },
+    Export {
+        name: "scene.glb",
+        when: When::Scene,
+        write: |from, out| from.lit()?.write_gltf(&from.product.described(), out),
     },
     Export { name: "as-made.stl", when: When::Surface, write: |from, out| from.surface(out) },
     Export {
@@ -181,6 +201,26 @@ pub const MILL: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that `coupon` may write.
+pub const COUPON: &[&str] = &[
+    "coupon.toml",
+    "plate.stl",
+    "air-cut.nc",
+    "air-cut.ngc",
+    "air-cut.tap",
+    "roughing.nc",
+    "roughing.ngc",
+    "roughing.tap",
+    "finishing.nc",
+    "finishing.ngc",
+    "finishing.tap",
+    "setup.html",
+    "report.json",
+];
+
+/// Every file that `coupon --read` may write.
+pub const COUPON_READ: &[&str] = &["machine.toml", "report.json"];
+
 /// Every file that `mill --check` may write.
 pub const CHECK: &[&str] = &["target.png", "comparison.png", "report.json"];
 
@@ -234,11 +274,13 @@ struct Source<'a> {
     progress: &'a Progress<'a>,
     map: OnceCell<HeightMap>,
     pictures: OnceCell<ProofPictures>,
+    lit: OnceCell<LitPlate>,
 }
 
 impl<'a> Source<'a> {
     fn new(product: &'a Product, picture: &'a Picture, progress: &'a Progress<'a>) -> Self {
-        Self { product, picture, progress, map: OnceCell::new(), pictures: OnceCell::new() }
+        let (map, pictures, lit) = Default::default();
+        Self { product, picture, progress, map, pictures, lit }
     }
 
     /// The files that are to be written.
@@ -253,6 +295,8 @@ impl<'a> Source<'a> {
             When::Milled => milled,
             When::Goal => self.product.goal.as_ref().is_some_and(GoalProof::is_traced),
             When::AsMade => made.is_some(),
+            When::Scene => self.product.recipe.files.scene_files,
+            When::FarScene => self.product.recipe.files.scene_files && self.product.has_lamp_sheet(),
             When::Also(format) => self.product.recipe.writes(format),
             When::Surface => surface,
         })
@@ -264,6 +308,10 @@ impl<'a> Source<'a> {
             map.sidecar.rim = self.product.about_rim();
             Ok(map)
         })
+    }
+
+    fn lit(&self) -> io::Result<&LitPlate> {
+        made_once(&self.lit, || self.product.lit_plate(self.progress))
     }
 
     /// The encoder of TIFF goes back in what it writes.

@@ -40,6 +40,8 @@ pub mod goal;
 
 mod product;
 
+mod scene_files;
+
 mod lighter;
 
 mod advice;

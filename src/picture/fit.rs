@@ -1,4 +1,4 @@
-//! Light to the square field: rotated, fitted, mirrored.
+//! Light to the field: rotated, fitted, mirrored, and the field in the middle of a square.
 
 use rayon::prelude::*;
 
@@ -8,37 +8,88 @@ use crate::raster::Raster;
 /// Less light than this may leave the field without a note.
 const NEGLIGIBLE: f64 = 1e-3;
 
+/// Columns of a field that a small picture is laid out in without losing any of its own.
+const ENOUGH: usize = 2048;
+
 /// The light as it will be used: square, row 0 on top.
 pub(crate) fn place(light: Raster, reading: &Reading, notes: &mut Vec<String>) -> Raster {
     let (width, height) = (light.width, light.height);
-    if width != height {
+    let turn = Turn::by(reading.rotate);
+    let aspect = reading.aspect.unwrap_or(1.0);
+    // As the drawing lies before it is turned.
+    let field = Field { aspect: if turn.swaps_sides() { 1.0 / aspect } else { aspect }, fit: reading.fit };
+    if field.around(width, height) != (width, height) {
+        let what = if aspect == 1.0 { "a square" } else { "the field's proportions" };
         notes.push(match reading.fit {
-            PictureFit::Pad => format!("The picture is {width} x {height}: it was padded with black to a square."),
-            PictureFit::Crop => format!("The picture is {width} x {height}: it was cropped to a square."),
-            PictureFit::Stretch => format!("The picture is {width} x {height}: it was stretched to a square."),
+            PictureFit::Pad => format!("The picture is {width} x {height}: it was padded with black to {what}."),
+            PictureFit::Crop => format!("The picture is {width} x {height}: it was cropped to {what}."),
+            PictureFit::Stretch => format!("The picture is {width} x {height}: it was stretched to {what}."),
         });
     }
+    let light = field.bounded(light);
     // Stretched first: turning by an odd angle and stretching after would shear the drawing.
-    let light = if reading.fit == PictureFit::Stretch { stretched(light) } else { light };
+    let light = if reading.fit == PictureFit::Stretch { field.stretched(light) } else { light };
     let total = light.sum();
-    let (mut light, kept) = match Turn::by(reading.rotate) {
+    let field = Field { aspect, ..field };
+    let (light, kept) = match turn {
         Turn::Quarters(quarters) => {
-            let light = framed(quarter_turned(light, quarters), reading.fit);
+            let light = quarter_turned(light, quarters);
+            let (across, up) = field.around(light.width, light.height);
+            let light = about_middle(light, across, up);
             let kept = light.sum();
             (light, kept)
         }
-        Turn::Angle(angle) => turned(&light, angle, reading.fit),
+        Turn::Angle(angle) => turned(&light, angle, field),
     };
     let lost = 1.0 - kept / total;
     if lost > NEGLIGIBLE {
         notes.push(format!("{:.1} % of its light fell outside the field and was cut off.", 100.0 * lost));
     }
+    let side = light.width.max(light.height);
+    let mut light = about_middle(light, side, side);
     if reading.mirrored {
         light.values.chunks_exact_mut(light.width).for_each(<[f64]>::reverse);
     }
     light
 }
 
+/// The field and how a picture fills it.
+#[derive(Clone, Copy)]
+struct Field {
+    /// Height over width.
+    aspect: f64,
+    fit: PictureFit,
+}
+
+impl Field {
+    /// Columns and rows of the field, in pixels of a picture of `width` x `height`.
+    fn around(self, width: usize, height: usize) -> (usize, usize) {
+        let pixels = |length: f64| (length.round() as usize).max(1);
+        let (w, h) = (width as f64, height as f64);
+        // Whether the field is as wide as the picture, or else as high.
+        let as_wide = (h <= self.aspect * w) != (self.fit == PictureFit::Crop);
+        if as_wide { (width, pixels(self.aspect * w)) } else { (pixels(h / self.aspect), height) }
+    }
+
+    /// A picture of fewer pixels, where the field about it would have many more than the picture's own sides.
+    fn bounded(self, light: Raster) -> Raster {
+        let (across, up) = self.around(light.width, light.height);
+        let most = light.width.max(light.height).max(ENOUGH) as f64;
+        let shrunk = most / across.max(up) as f64;
+        if shrunk >= 1.0 {
+            return light;
+        }
+        let [width, height] = [light.width, light.height].map(|n| ((n as f64 * shrunk).round() as usize).max(1));
+        resampled(light, width, height)
+    }
+
+    fn stretched(self, light: Raster) -> Raster {
+        let (width, height) = self.around(light.width, light.height);
+        resampled(light, width, height)
+    }
+}
+
+#[derive(Clone, Copy)]
 enum Turn {
     /// Quarter turns counter-clockwise, 0 to 3.
     Quarters(usize),
@@ -56,24 +107,20 @@ impl Turn {
             Self::Angle(degrees.to_radians())
         }
     }
-}
 
-/// Side of the field in pixels of the picture.
-fn side(light: &Raster, fit: PictureFit) -> usize {
-    match fit {
-        PictureFit::Pad | PictureFit::Stretch => light.width.max(light.height),
-        PictureFit::Crop => light.width.min(light.height),
+    /// Whether width becomes height.
+    fn swaps_sides(self) -> bool {
+        matches!(self, Self::Quarters(1 | 3))
     }
 }
 
 /// By areas; scaled so that a plain area keeps its brightness.
-fn stretched(light: Raster) -> Raster {
-    if light.width == light.height {
+fn resampled(light: Raster, width: usize, height: usize) -> Raster {
+    if (light.width, light.height) == (width, height) {
         return light;
     }
-    let n = side(&light, PictureFit::Stretch);
-    let grown = (n * n) as f64 / (light.width * light.height) as f64;
-    light.resampled(n, n).scaled(grown)
+    let grown = (width * height) as f64 / (light.width * light.height) as f64;
+    light.resampled(width, height).scaled(grown)
 }
 
 fn quarter_turned(light: Raster, quarters: usize) -> Raster {
@@ -87,37 +134,36 @@ fn quarter_turned(light: Raster, quarters: usize) -> Raster {
     }
 }
 
-/// The square about the middle, black where the picture does not reach.
-fn framed(light: Raster, fit: PictureFit) -> Raster {
+/// `width` x `height` pixels about the middle, black where the picture does not reach. Where bars or cuts cannot be equal,
+/// the right or the lower one is a pixel wider.
+fn about_middle(light: Raster, width: usize, height: usize) -> Raster {
     let (w, h) = (light.width, light.height);
-    if w == h {
+    if (w, h) == (width, height) {
         return light;
     }
-    let n = side(&light, fit);
-    // How far the picture begins inside the field (Pad) or the field inside the picture (Crop).
-    let (right, down) = (n.abs_diff(w) / 2, n.abs_diff(h) / 2);
-    match fit {
-        PictureFit::Crop => Raster::from_fn(n, n, |x, y| light.at(x + right, y + down)),
-        PictureFit::Pad | PictureFit::Stretch => {
-            Raster::from_fn(n, n, |x, y| match (x.checked_sub(right), y.checked_sub(down)) {
-                (Some(x), Some(y)) if x < w && y < h => light.at(x, y),
-                _ => 0.0,
-            })
-        }
-    }
+    // Where column `x` of `to` columns lies among the picture's `from`.
+    let at = |x: usize, from: usize, to: usize| match to.checked_sub(from) {
+        Some(bars) => x.checked_sub(bars / 2).filter(|x| *x < from),
+        None => Some(x + (from - to) / 2),
+    };
+    Raster::from_fn(width, height, |x, y| match (at(x, w, width), at(y, h, height)) {
+        (Some(x), Some(y)) => light.at(x, y),
+        _ => 0.0,
+    })
 }
 
 /// Turned about its middle by `angle` and cut to the field; also the light that stays inside.
-fn turned(light: &Raster, angle: f64, fit: PictureFit) -> (Raster, f64) {
-    let n = side(light, fit);
+fn turned(light: &Raster, angle: f64, field: Field) -> (Raster, f64) {
+    let (across, up) = field.around(light.width, light.height);
     let (sine, cosine) = angle.sin_cos();
-    let (w, h, half) = (light.width as f64, light.height as f64, n as f64 / 2.0);
-    let mut out = Raster::zeros(n, n);
-    out.values.par_chunks_mut(n).enumerate().for_each(|(row, line)| {
+    let (w, h) = (light.width as f64, light.height as f64);
+    let [half_across, half_up] = [across, up].map(|n| n as f64 / 2.0);
+    let mut out = Raster::zeros(across, up);
+    out.values.par_chunks_mut(across).enumerate().for_each(|(row, line)| {
         // Coordinates from the middle, y up.
-        let y = half - (row as f64 + 0.5);
+        let y = half_up - (row as f64 + 0.5);
         for (column, value) in line.iter_mut().enumerate() {
-            let x = column as f64 + 0.5 - half;
+            let x = column as f64 + 0.5 - half_across;
             // Light now at (x, y) came from there turned back.
             let (from_x, from_y) = (x * cosine + y * sine, y * cosine - x * sine);
             *value = bilinear(light, from_x + w / 2.0 - 0.5, h / 2.0 - from_y - 0.5);
@@ -129,7 +175,7 @@ fn turned(light: &Raster, angle: f64, fit: PictureFit) -> (Raster, f64) {
         for column in 0..light.width {
             let x = column as f64 + 0.5 - w / 2.0;
             let (to_x, to_y) = (x * cosine - y * sine, x * sine + y * cosine);
-            if to_x.abs() <= half && to_y.abs() <= half {
+            if to_x.abs() <= half_across && to_y.abs() <= half_up {
                 kept += light.at(column, row);
             }
         }
@@ -155,8 +201,14 @@ mod tests {
     use super::super::{Encoding, Picture, from_raster};
     use super::*;
 
-    const PLAIN: Reading =
-        Reading { encoding: Encoding::Auto, invert: false, rotate: 0.0, fit: PictureFit::Pad, mirrored: false };
+    const PLAIN: Reading = Reading {
+        encoding: Encoding::Auto,
+        invert: false,
+        rotate: 0.0,
+        fit: PictureFit::Pad,
+        aspect: None,
+        mirrored: false,
+    };
 
     fn read(light: &Raster, reading: Reading) -> Picture {
         from_raster(light.clone(), &reading).unwrap()
@@ -295,6 +347,39 @@ mod tests {
         assert!(flat.width == 6 && flat.height == 6 && flat.values.iter().all(|v| (v - 0.7).abs() < 1e-12));
         let doubled = read(&numbered(4, 2), stretch).light;
         assert_eq!(doubled.values[..8], [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0]);
+    }
+
+    #[test]
+    fn a_field_of_other_proportions_is_filled_and_the_rest_of_its_square_is_black() {
+        let wide = Reading { aspect: Some(0.5), ..PLAIN };
+        // A picture of the field's own proportions loses and gains nothing.
+        let picture = read(&numbered(4, 2), wide);
+        assert_eq!(picture.light.values[4..12], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+        assert!(picture.light.sum() == 36.0 && picture.notes.is_empty());
+        // A square is padded to the right and left, cropped above and below, or stretched.
+        let plain = Raster::from_fn(40, 40, |_, _| 1.0);
+        for (fit, [across, up]) in
+            [(PictureFit::Pad, [40, 40]), (PictureFit::Crop, [40, 20]), (PictureFit::Stretch, [80, 40])]
+        {
+            for rotate in [0.0, 90.0] {
+                let light = read(&plain, Reading { fit, rotate, ..wide }).light;
+                let [width, height] = [light.width, light.height];
+                assert_eq!((width, height), if fit == PictureFit::Crop { (40, 40) } else { (80, 80) });
+                let lit = |x: usize, y: usize| light.at(x, y) > 0.999;
+                let columns = (0..width).filter(|x| lit(*x, height / 2)).count();
+                let rows = (0..height).filter(|y| lit(width / 2, *y)).count();
+                assert_eq!([columns, rows], [across, up], "{fit:?} {rotate}");
+                assert_eq!(light.sum().round() as usize, across * up);
+            }
+        }
+        // Turned by an odd angle, a drawing that is small stays whole.
+        let spot = spot(64, (9.0, 0.0));
+        let turned = read(&spot, Reading { rotate: 30.0, ..wide }).light;
+        let (x, y) = centre(&turned);
+        assert!((x - 9.0 * 0.75f64.sqrt()).abs() < 0.05 && (y - 4.5).abs() < 0.05, "{x} {y}");
+        // A field far longer than the picture takes no more pixels than a picture of usual size would.
+        let long = read(&Raster::from_fn(1000, 1000, |_, _| 1.0), Reading { aspect: Some(0.1), ..PLAIN }).light;
+        assert_eq!((long.width, long.height), (2050, 2050));
     }
 
     #[test]

@@ -87,7 +87,7 @@ pub enum Encoding {
     Linear,
 }
 
-/// How a picture that is not square fills the square field.
+/// How a picture fills a field of other proportions: of a square one, unless the reading says otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -99,7 +99,7 @@ pub enum PictureFit {
     /// The shorter side fills the field, the rest is cut. Pixel values stay as they are; where the cuts cannot be
     /// equal, the right or the lower one is a pixel wider.
     Crop,
-    /// Resampled by areas to a square of the longer side; the brightness of a plain area does not change.
+    /// Resampled by areas to the field's proportions; the brightness of a plain area does not change.
     Stretch,
 }
 
@@ -113,8 +113,10 @@ pub struct Reading {
     pub invert: bool,
     /// Turns the drawing counter-clockwise as its viewer sees it, degrees.
     pub rotate: f64,
-    /// How it fills the square field.
+    /// How it fills the field.
     pub fit: PictureFit,
+    /// Height of the field over its width; without it, 1. What is left of the square about it is black.
+    pub aspect: Option<f64>,
     /// Flips u after everything else: for a highlight drawn as it shall appear on a wall (`--seen on-wall`).
     pub mirrored: bool,
 }

@@ -20,6 +20,10 @@ impl Recipe {
         if self.patches.are_wanted() {
             return Ok(());
         }
+        let field = self.highlight.half_field;
+        if self.reading().aspect.is_some_and(|aspect| !(0.1..=10.0).contains(&aspect)) {
+            return Err(RecipeError::LongField { field });
+        }
         self.check_scene()?;
         self.check_kind()?;
         self.machining()?;
@@ -135,8 +139,8 @@ mod tests {
             RecipeError::OutOfRange { setting, .. } => setting,
             other => panic!("{other}"),
         };
-        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0)), "half-field");
-        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN)), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = 0.0.into())), "half-field");
+        assert_eq!(named(refused(|r| r.highlight.half_field = f64::NAN.into())), "half-field");
         assert_eq!(named(refused(|r| r.light.theta = 90.0)), "light");
         assert_eq!(named(refused(|r| r.plate.size[1] = f64::INFINITY)), "size");
         assert_eq!(named(refused(|r| r.plate.facets = Some([0, 30]))), "facets");

@@ -96,8 +96,8 @@ impl Recipe {
 
     /// How the picture file is to be read.
     pub fn reading(&self) -> Reading {
-        let HighlightSettings { encoding, invert, rotate, fit, seen, .. } = self.highlight;
-        Reading { encoding, invert, rotate, fit, mirrored: seen == Seen::OnWall }
+        let HighlightSettings { encoding, invert, rotate, fit, seen, half_field, projection, .. } = self.highlight;
+        Reading { encoding, invert, rotate, fit, aspect: half_field.aspect(projection), mirrored: seen == Seen::OnWall }
     }
 
     /// From the eye to a wall nearby, mm: as asked, or 3 m.
@@ -132,7 +132,7 @@ impl Recipe {
         }
         let LightSettings { theta, phi, radius } = self.light;
         let HighlightSettings { projection, half_field, .. } = self.highlight;
-        let [theta, phi, radius, half_field] = [theta, phi, radius, half_field].map(f64::to_radians);
+        let [theta, phi, radius, half_field] = [theta, phi, radius, half_field.reach()].map(f64::to_radians);
         Setup::new(theta, phi, radius, projection, half_field)
     }
 

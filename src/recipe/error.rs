@@ -1,7 +1,7 @@
 //! Why a recipe cannot be followed, in one sentence with what would do.
 
 use super::settings::LEAST_GRID;
-use super::{Format, SceneFault, SurfaceKind};
+use super::{Format, HalfField, SceneFault, SurfaceKind};
 use crate::cutter::UnmodelledCutter;
 use crate::milling::made::MachiningError;
 
@@ -23,6 +23,12 @@ pub enum RecipeError {
         low: f64,
         /// Most possible.
         high: f64,
+    },
+    /// A picture that is too long for the square that it is counted in.
+    #[error("half-field is {field}: the picture may be at most ten times as long one way as the other")]
+    LongField {
+        /// What was asked, degrees.
+        field: HalfField,
     },
     /// Lamp and wall nearby that make no scene.
     #[error(transparent)]

@@ -14,6 +14,9 @@ pub struct FileSettings {
     /// The plate in other formats too; without it in none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub also: Option<Formats>,
+    /// Whether a scene for other renderers is written.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub scene_files: bool,
 }
 
 /// A format in which the plate can be written beside its STL file.

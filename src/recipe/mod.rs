@@ -4,6 +4,8 @@ mod border_finish;
 
 mod cells;
 
+mod half_field;
+
 mod sections;
 
 mod scene;
@@ -35,6 +37,7 @@ pub use border_finish::{BorderFinish, BorderFinishError};
 pub use cells::Cells;
 pub use error::RecipeError;
 pub use files::{FileSettings, Format, FormatError, Formats};
+pub use half_field::HalfField;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
 pub use patches::{Angles, PatchSettings};

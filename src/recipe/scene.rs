@@ -124,7 +124,7 @@ impl Recipe {
             Some(middle) => Lamp::Ball { middle, radius },
             None => DistantLamp::round(toward, self.light.radius.to_radians()).into(),
         };
-        let half_field = self.highlight.half_field.to_radians();
+        let half_field = self.highlight.half_field.reach().to_radians();
         let Some(distance) = wall.or(focus) else { return Scene::endless(lamp, half_field) };
         let half = picture_width.map_or(distance * half_field.tan(), |width| 0.5 * self.square() * width);
         Scene::across_mirror(lamp, distance, wall_tilt.unwrap_or_default().to_radians(), half)
@@ -133,11 +133,14 @@ impl Recipe {
     /// How many times as wide as the drawing its square is.
     fn square(&self) -> f64 {
         let [width, height] = self.scene.drawing.unwrap_or([1, 1]).map(|n| n.max(1) as f64);
-        match self.highlight.fit {
-            PictureFit::Pad => width.max(height) / width,
-            PictureFit::Crop => width.min(height) / width,
+        // The field's height over its width, and its width over the drawing's.
+        let aspect = self.highlight.half_field.aspect(Projection::Screen).unwrap_or(1.0);
+        let field = match self.highlight.fit {
+            PictureFit::Pad => width.max(height / aspect) / width,
+            PictureFit::Crop => width.min(height / aspect) / width,
             PictureFit::Stretch => 1.0,
-        }
+        };
+        field * aspect.max(1.0)
     }
 
     /// The first pair of settings that cannot stand together in a scene.

@@ -3,7 +3,7 @@
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
-use super::{BorderFinish, Cells, SurfaceKind};
+use super::{BorderFinish, Cells, HalfField, SurfaceKind};
 use crate::distribution::SlopeDistributionSettings;
 use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
@@ -17,7 +17,7 @@ use crate::sculpt::settings::SheetSettings;
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
 pub struct HighlightSettings {
     /// Angle from the picture's middle to its rim, degrees.
-    pub half_field: f64,
+    pub half_field: HalfField,
     /// How directions are laid out on the picture.
     pub projection: Projection,
     /// What a pixel's value says.
@@ -37,7 +37,7 @@ pub struct HighlightSettings {
 impl Default for HighlightSettings {
     fn default() -> Self {
         Self {
-            half_field: 20.0,
+            half_field: 20.0.into(),
             projection: Projection::default(),
             quantity: Quantity::default(),
             seen: Seen::default(),

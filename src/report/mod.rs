@@ -30,6 +30,8 @@ pub mod plan;
 
 pub mod patches;
 
+pub mod coupon;
+
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

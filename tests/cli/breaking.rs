@@ -18,11 +18,14 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::mutate::mutant;
-use super::program::{Outcome, facetmill, finish, home, run_line};
+use super::program::{Outcome, facetmill, finish_within, home, run_line};
 use super::{SMALL, assert_done, strace_may_trace};
 
 /// CPU seconds of one run, by the system's own limit, and address space, KiB.
 const WITHIN: &str = "ulimit -t 20 && ulimit -v 4000000 && exec \"$0\" \"$@\"";
+
+/// Wall clock of one run: many times its CPU, since the long form runs beside other work.
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// How many trials of `all` are drawn: a few, or as the environment asks.
 fn trials(all: u64, few: u64) -> u64 {
@@ -58,8 +61,25 @@ impl Count {
     fn tell(&self, kind: &str) {
         let of = |(code, times): (&i32, &u64)| format!("{times} with {code}");
         let codes: Vec<String> = self.codes.iter().map(of).collect();
-        println!("{kind}: {}; slowest {:.1} s", codes.join(", "), self.slowest.as_secs_f64());
+        println!("{kind}: {}; slowest {:.1} s, {}", codes.join(", "), self.slowest.as_secs_f64(), largest());
     }
+}
+
+/// The peak of resident memory over all runs so far.
+#[cfg(target_os = "linux")]
+fn largest() -> String {
+    // SAFETY: a struct of numbers, for which zeros are a value; the call fills it in.
+    let usage = unsafe {
+        let mut usage: libc::rusage = std::mem::zeroed();
+        assert_eq!(libc::getrusage(libc::RUSAGE_CHILDREN, &raw mut usage), 0);
+        usage
+    };
+    format!("largest {} MiB", usage.ru_maxrss >> 10)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn largest() -> String {
+    "peak of memory not asked".into()
 }
 
 /// A run under the limits.
@@ -72,7 +92,7 @@ fn run_limited(home: &Path, words: &[String]) -> Outcome {
         facetmill()
     };
     command.current_dir(home).args(words).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    finish(command.spawn().unwrap())
+    finish_within(command.spawn().unwrap(), PATIENCE)
 }
 
 fn words(line: &str) -> Vec<String> {
@@ -120,6 +140,15 @@ fn mutated_stls_get_an_answer() {
         "measure odd.stl -o m --force --ndf --resolution 16 --rays 2000",
     ];
     break_with("STLs", home.path(), &all, "odd.stl", &lines, trials(2000, 30));
+}
+
+#[test]
+fn mutated_programs_of_machines_get_an_answer() {
+    let home = home();
+    assert_done(&run_line(home.path(), &format!("design ring.png -o plate {SMALL} --no-verify")));
+    let lines =
+        ["mill --check odd.nc --against plate --cutter ball:1 --no-verify", "mill --check odd.nc --against plate"];
+    break_with("programs of machines", home.path(), &corpus("gcode"), "odd.nc", &lines, trials(2000, 20));
 }
 
 #[test]
@@ -181,7 +210,7 @@ const NUMBERS: [&str; 24] = [
 ];
 
 /// Flags of each command and what they take: numbers are drawn for #.
-const DESIGN: [&str; 34] = [
+const DESIGN: [&str; 36] = [
     "--half-field #",
     "--projection screen",
     "--projection equidistant",
@@ -198,6 +227,8 @@ const DESIGN: [&str; 34] = [
     "--size #x#",
     "--thickness #",
     "--border #",
+    "--border-finish polished",
+    "--border-finish sloped:#",
     "--lobe #",
     "--surface facets",
     "--surface sheet",
@@ -216,6 +247,67 @@ const DESIGN: [&str; 34] = [
     "--level",
     "--slope-cap #",
     "--method weyrich2009",
+];
+/// A lamp and a wall at a distance.
+const ROOM: [&str; 11] = [
+    "--lamp-distance #",
+    "--lamp-at #,#,#",
+    "--lamp-radius #",
+    "--wall #",
+    "--wall-tilt #",
+    "--picture-width #",
+    "--focus #",
+    "--near base",
+    "--near warp",
+    "--near exact",
+    "--eye-distance #",
+];
+/// The plate as a machine makes it.
+const MACHINE: [&str; 9] = [
+    "--machine desktop",
+    "--machine vmc",
+    "--stepover #",
+    "--pass-angle #",
+    "--one-way",
+    "--zigzag",
+    "--draws #",
+    "--polish #",
+    "--for-cutter ball:#",
+];
+const MILL: [&str; 18] = [
+    "--machine vmc",
+    "--dialect grbl",
+    "--dialect linuxcnc",
+    "--dialect mach3",
+    "--compensate",
+    "--spindle #",
+    "--cutter ball:#",
+    "--cutter bull:#,#",
+    "--cutter flat:#",
+    "--cutter cone:#,#",
+    "--cutter tapered:#,#",
+    "--stepover #",
+    "--pass-angle #",
+    "--zigzag",
+    "--polish #",
+    "--material brass",
+    "--stock-over #",
+    "--rough-cutter flat:#",
+];
+/// Models of reflectance in place of a picture.
+const GOALS: [&str; 12] = [
+    "ward:#,#",
+    "blinn-phong:#",
+    "ggx:#,#,#",
+    "beckmann:#",
+    "phong:#",
+    "lambert:#",
+    "shifted-gamma:#",
+    "gaussian:#",
+    "ashikhmin-shirley:#,#",
+    "oren-nayar:#",
+    "ndf:ring.png",
+    "mirror",
 ];
 const MEASURE: [&str; 26] = [
     "--brdf",
@@ -257,31 +349,44 @@ const RUNNING: [&str; 9] = [
     "--max-bounces #",
 ];
 
+/// One of `flags`, with numbers for its #.
+fn filled(flags: &[&str], rng: &mut Xoshiro256PlusPlus) -> String {
+    let flag = flags[rng.random_range(0..flags.len())];
+    let mut parts = flag.split('#');
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        // Mostly what makes sense, else nothing would ever be done.
+        let reach = if rng.random_bool(0.7) { 7 } else { NUMBERS.len() };
+        whole += NUMBERS[rng.random_range(0..reach)];
+        whole += part;
+    }
+    whole
+}
+
 /// A command line of the program's own flags.
 fn drawn(rng: &mut Xoshiro256PlusPlus) -> Vec<String> {
     // Small ones: what the default plate takes is no news.
-    let (start, flags): (&str, &[&str]) = match rng.random_range(0..7) {
+    let (start, flags): (&str, &[&str]) = match rng.random_range(0..11) {
         0 => ("design ring.png -o d --force", &DESIGN),
         1 => ("design ring.png -o d --force --facets 6x6 --rays 2000", &DESIGN),
         2 => ("design ring.png -o d --force --surface sheet --size 10x10 --grid 16 --cells 1 --no-verify", &DESIGN),
         3 => ("measure plate -o m --force --rays 1000 --resolution 16", &MEASURE),
         4 => ("measure plate -o m --force --rays 1000 --brdf --polar 2 --half-vectors 16x8", &MEASURE),
-        _ => ("verify plate/plate.stl --against ring.png -o v --force --rays 2000", &DESIGN[..13]),
+        5 | 6 => ("verify plate/plate.stl --against ring.png -o v --force --rays 2000", &DESIGN[..13]),
+        7 => ("design ring.png -o d --force --surface sheet --size 10x10 --grid 16 --cells 1 --rays 2000", &ROOM),
+        8 => ("verify plate/plate.stl --against ring.png -o v --force --rays 2000", &MACHINE),
+        9 => ("mill plate --machine desktop -o g --force", &MILL),
+        _ => ("design -o d --force --surface sheet --size 10x10 --grid 16 --cells 1 --rays 2000", &DESIGN[4..15]),
     };
     let mut line = words(start);
-    if line.len() == 5 {
+    if line.len() == 5 && line[0] == "design" {
         line.push("--dry-run".into());
     }
+    if line[1] == "-o" {
+        line.extend(["--goal".into(), filled(&GOALS, rng)]);
+    }
     let mut add = |flags: &[&str], rng: &mut Xoshiro256PlusPlus| {
-        let flag = flags[rng.random_range(0..flags.len())];
-        let mut parts = flag.split('#');
-        let mut whole = parts.next().unwrap_or_default().to_owned();
-        for part in parts {
-            // Mostly what makes sense, else nothing would ever be done.
-            let reach = if rng.random_bool(0.7) { 7 } else { NUMBERS.len() };
-            whole += NUMBERS[rng.random_range(0..reach)];
-            whole += part;
-        }
+        let whole = filled(flags, rng);
         let (name, value) = whole.split_once(' ').map_or((&*whole, None), |(name, value)| (name, Some(value)));
         line.push(name.into());
         line.extend(value.map(Into::into));
@@ -353,7 +458,7 @@ fn calls_that_fail_are_told_and_leave_the_folder_old_or_new() {
                 command.arg(facetmill().get_program()).args(design("d", 2).split(' ')).arg("--force");
                 command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
                 let begun = Instant::now();
-                let mut outcome = finish(command.spawn().unwrap());
+                let mut outcome = finish_within(command.spawn().unwrap(), PATIENCE);
                 struck |= fs::read_to_string(&log).unwrap().contains("INJECTED");
                 let trial = format!("{call} {at}{lasting}");
                 // Before the program begins its libraries are opened, and told of where standard error can be written.

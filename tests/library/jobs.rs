@@ -206,7 +206,7 @@ fn facets_told_to_finish_before_they_are_grouped_need_no_grouping() {
     // Still every facet has a slope of the ring's.
     let slopes = &plate.facets.unwrap().grid.slopes;
     let lit = |slope: &facetmill::slope::Slope| {
-        (0.3..0.9).contains(&(2.0 * slope.tilt().to_degrees() / recipe.highlight.half_field))
+        (0.3..0.9).contains(&(2.0 * slope.tilt().to_degrees() / recipe.highlight.half_field.reach()))
     };
     assert!(slopes.len() == 1600 && slopes.iter().filter(|slope| lit(slope)).count() > 1550);
 }

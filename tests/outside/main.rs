@@ -16,5 +16,6 @@ mod mesh_checkers;
 mod referee;
 mod referee_figures;
 mod renderer;
+mod scenes;
 mod stl_light;
 mod ztests;

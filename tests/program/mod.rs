@@ -50,7 +50,12 @@ pub fn run_line(home: &Path, line: &str) -> Outcome {
 }
 
 /// Waits for a run that was started; kills what does not end.
-pub fn finish(mut child: Child) -> Outcome {
+pub fn finish(child: Child) -> Outcome {
+    finish_within(child, PATIENCE)
+}
+
+/// Waits for a run that was started; kills what does not end by then.
+pub fn finish_within(mut child: Child, patience: Duration) -> Outcome {
     let slurp = |pipe: Option<Box<dyn Read + Send>>| {
         std::thread::spawn(move || {
             let mut bytes = Vec::new();
@@ -66,7 +71,7 @@ pub fn finish(mut child: Child) -> Outcome {
     let status = loop {
         match child.try_wait().expect("the program can be waited for") {
             Some(status) => break status,
-            None if start.elapsed() > PATIENCE => {
+            None if start.elapsed() > patience => {
                 let _ = child.kill();
                 panic!("the program hangs: {:?}", child.wait());
             }

@@ -148,7 +148,7 @@ impl From {
         };
         let goal = Goal::read(spec, recipe.goal_part, recipe.setup().light()).map_err(cannot)?;
         if args.chooses_field() {
-            recipe.highlight.half_field = goal.half_field(&recipe.setup()).map_err(cannot)?;
+            recipe.highlight.half_field = goal.half_field(&recipe.setup()).map_err(cannot)?.into();
         }
         let picture = goal.picture(&recipe.setup()).map_err(cannot)?;
         Ok((picture, Some(goal)))

@@ -8,7 +8,7 @@ use crate::args::Cli;
 pub const ALL: &str = "--help-all";
 
 /// Flags that `--help` shows, for each command; what is not a flag is always shown. A command that is not here has few.
-const MOST_NEEDED: [(&str, &[&str]); 4] = [
+const MOST_NEEDED: [(&str, &[&str]); 5] = [
     (
         "design",
         &[
@@ -93,6 +93,26 @@ const MOST_NEEDED: [(&str, &[&str]); 4] = [
             "verbose",
         ],
     ),
+    (
+        "plan",
+        &[
+            "output",
+            "machine",
+            "hours",
+            "wanted",
+            "polish_tolerance",
+            "size",
+            "cells",
+            "for-cutter",
+            "polish",
+            "half-field",
+            "light",
+            "seen",
+            "invert",
+            "force",
+            "verbose",
+        ],
+    ),
 ];
 
 /// The command line with the help that `--help` shows, or with all of it.
@@ -105,6 +125,14 @@ pub fn command(all: bool) -> Command {
             command.arg(help_all(all))
         });
     }
+    // Elsewhere it is the same as --help, so that nobody who asks for it is turned away.
+    let few = |name: &str| !MOST_NEEDED.iter().any(|(most, _)| *most == name);
+    command =
+        command.mut_subcommands(
+            |command| {
+                if few(command.get_name()) { command.arg(help_all(all).hide(true)) } else { command }
+            },
+        );
     command.arg(help_all(all).hide(true))
 }
 

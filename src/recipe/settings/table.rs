@@ -44,9 +44,12 @@ pub(super) const GENERAL: &[Setting] = &[
     Setting {
         name: "half-field",
         key: "highlight.half-field",
-        ranges: &[[0.1, 85.0]],
+        form: Text("DEG[xDEG]"),
+        ranges: &[[0.1, 85.0], [0.1, 85.0]],
         help: "Angle from the picture's middle to its rim, degrees",
-        more: "On a wall at a distance D the picture is 2·D·tan(angle) wide: 20° give 0.73 m at 1 m.",
+        more: "On a wall at a distance D the picture is 2·D·tan(angle) wide: 20° give 0.73 m at 1 m. The field is a \
+               square, and --fit says how a picture that is not fills it; 30x18 makes it 30° to the right and left and \
+               18° up and down.",
         at: |recipe| &mut recipe.highlight.half_field,
         ..ANGLE
     },

@@ -17,8 +17,8 @@ use crate::projection::Projection;
 use crate::scene::room::Room;
 
 use super::super::{
-    Angles, Arrangement, BorderFinish, Cells, FormatError, Formats, Heights, LightSettings, NearMethod, PassOrder,
-    Seen, SurfaceKind,
+    Angles, Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod,
+    PassOrder, Seen, SurfaceKind,
 };
 
 /// A number with or without a fraction.
@@ -146,6 +146,22 @@ impl Value for Cells {
 
     fn numbers(&self) -> Vec<f64> {
         self.0.iter().map(|value| *value as f64).collect()
+    }
+}
+
+/// One angle both ways, or two with an x between them.
+impl Value for HalfField {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        self.0 = if text.contains('x') { pair(text, 'x', number)? } else { [number(text)?; 2] };
+        Ok(())
+    }
+
+    fn written(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.0.to_vec()
     }
 }
 

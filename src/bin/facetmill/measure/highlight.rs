@@ -108,7 +108,7 @@ pub fn measure(bench: &Bench, staged: &mut Staged, progress: &Progress) -> Resul
     }
     let measured = Measured::Highlight(HighlightImageFacts {
         projection: bench.recipe.highlight.projection,
-        half_field: bench.recipe.highlight.half_field,
+        half_field: bench.recipe.highlight.half_field.reach(),
         resolution: bench.measuring.resolution,
         pixels: "highlight.tiff holds shares of upward light, row 0 at v = +1; highlight_error.tiff their standard errors",
         rays: whole.rays,
