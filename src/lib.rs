@@ -76,6 +76,7 @@
 //!    reflection on a wall nearby, [`verify::render`] what a camera sees of the plate.
 //!    [`milling`] makes the plate as a machine does, and [`shop`] writes the programs for it and judges anybody's.
 //! 9. **Out.** [`export`] makes the closed solid, STL, height map and pictures, in memory.
+//!    [`coupon`] is a test piece that tells what a machine does to a surface.
 //!    [`goal`] is what a plate may be asked for in place of a drawing: reflectance by name, by measurement or by a map;
 //!    [`fit`] finds models for a measured one.
 //! 10. **All of it.** [`recipe`] holds every setting with its default, [`job`] goes from one and its picture
@@ -217,6 +218,8 @@ pub mod trace;
 pub mod verify;
 
 pub mod export;
+
+pub mod coupon;
 
 pub mod goal;
 

@@ -254,6 +254,14 @@ def best_machining():
 
 
 @group
+def coupons():
+    """docs/milling.md: test pieces of ten machines, scanned and photographed, and what is read; about ten CPU minutes."""
+    for words in [["10"], ["10", "0", "photographs"]]:
+        command = ["cargo", "run", "--release", "--locked", "--quiet", "--example", "coupons", "--", *words]
+        subprocess.run(command, cwd=ROOT, check=True)
+
+
+@group
 def plans():
     """docs/milling.md: what `plan` finds, expected and proved TV(1), SSIM(0.5); about three CPU minutes each."""
     for machine, flags in [

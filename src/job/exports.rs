@@ -206,6 +206,26 @@ pub const MILL: &[&str] = &[
     "report.json",
 ];
 
+/// Every file that `coupon` may write.
+pub const COUPON: &[&str] = &[
+    "coupon.toml",
+    "plate.stl",
+    "air-cut.nc",
+    "air-cut.ngc",
+    "air-cut.tap",
+    "roughing.nc",
+    "roughing.ngc",
+    "roughing.tap",
+    "finishing.nc",
+    "finishing.ngc",
+    "finishing.tap",
+    "setup.html",
+    "report.json",
+];
+
+/// Every file that `coupon --read` may write.
+pub const COUPON_READ: &[&str] = &["machine.toml", "report.json"];
+
 /// Every file that `mill --check` may write.
 pub const CHECK: &[&str] = &["target.png", "comparison.png", "report.json"];
 

@@ -46,6 +46,9 @@ pub struct Machine {
     pub acceleration: f64,
     /// Lines of a program that the control takes a second. 400 are told of small controls by their makers.
     pub lines_per_second: f64,
+    /// Standard deviation of the polish that its plates get, mm, where that was measured on a test piece.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub polish: Option<f64>,
 }
 
 /// A machine without faults; others are written as what they have more.
@@ -69,6 +72,7 @@ fn faultless(name: &str) -> Machine {
         rapid: 3000.0,
         acceleration: 300.0,
         lines_per_second: 400.0,
+        polish: None,
     }
 }
 
@@ -193,6 +197,7 @@ impl Machine {
             ("rapid", self.rapid, [1.0, 1e6]),
             ("acceleration", self.acceleration, [1.0, 1e5]),
             ("lines-per-second", self.lines_per_second, [1.0, 1e6]),
+            ("polish", self.polish.unwrap_or_default(), [0.0, 1.0]),
         ]);
         for (key, value, [least, most]) in within {
             if !(least..=most).contains(&value) {

@@ -80,7 +80,7 @@ impl Machining {
     }
 
     /// From one place of the tip to the next along a pass, mm.
-    fn place(&self) -> f64 {
+    pub fn place(&self) -> f64 {
         let Profile { arc, reach, .. } = self.cutter.profile();
         if arc > 0.0 { (8.0 * arc * CHORD).sqrt() } else { reach / PLACES_A_RADIUS }
     }
@@ -167,7 +167,7 @@ impl Machining {
         let profile = self.cutter.grown(self.machine.radius_error).profile();
         // Seeds of draws are far apart, so that those of a recipe with the next seed are others.
         let seed = self.seed.wrapping_add(draw << 32);
-        Sweep::new(ways, (profile, &self.machine), self.passes.zigzag, step, seed)
+        Sweep::new(ways, (profile, &self.machine), step, seed)
     }
 }
 
@@ -192,6 +192,11 @@ pub struct BareSurface {
 }
 
 impl BareSurface {
+    /// Height at a place of the plate, mm; infinite where nothing is cut.
+    pub fn height(&self, place: DVec2) -> f64 {
+        self.sweep.height(self.sweep.frame().of_plate(place))
+    }
+
     /// Slopes along row `k` of `rows` spread evenly over the plate, each as the cutter leaves it that passed lowest; not a
     /// number beside the plate.
     pub fn slopes(&self, k: usize, rows: usize) -> Vec<DVec2> {

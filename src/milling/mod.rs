@@ -3,7 +3,7 @@
 
 pub mod machine;
 
-mod random;
+pub(crate) mod random;
 
 pub mod polish;
 

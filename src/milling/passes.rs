@@ -70,16 +70,26 @@ impl Frame {
     }
 }
 
+/// One pass.
+pub(super) struct Pass {
+    /// Its place across the frame, mm.
+    pub(super) y: f64,
+    /// Whether it is cut against the direction in which places count.
+    pub(super) backward: bool,
+    /// Heights of the tip.
+    pub(super) way: Way,
+}
+
 /// Where the tip of a cutter should be along every pass.
 pub struct Ways {
     /// The rectangle of passes.
     pub(super) frame: Frame,
     /// How far passes and their ends lie beyond it, mm.
     pub(super) overrun: f64,
-    /// From one pass to the next, mm.
+    /// From one pass to the next, mm, at the most.
     pub(super) stepover: f64,
-    /// Place of each pass across the frame, mm, and its heights.
-    pub(super) ways: Vec<(f64, Way)>,
+    /// The passes, in the order of cutting.
+    pub(super) ways: Vec<Pass>,
     /// The steepest that tips rise from place to place.
     pub(super) steepest: f64,
 }
@@ -97,26 +107,54 @@ impl Ways {
         [step, quantum]: [f64; 2],
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
-        let profile = tips.profile();
         let frame = Frame::new(plate, passes.angle);
-        let overrun = overrun(profile);
-        let (beyond, count) = count(&frame, overrun, passes.stepover);
+        let (beyond, count) = count(&frame, overrun(tips.profile()), passes.stepover);
+        let place = |k: usize| ((k as f64 + 0.5 - beyond) * passes.stepover, passes.zigzag && k % 2 == 1);
+        let places: Vec<(f64, bool)> = (0..count).map(place).collect();
+        Self::at(tips, (frame, passes.stepover), &places, [step, quantum], progress)
+    }
+
+    /// The same along x at stated places y (mm), each with whether it is cut on the way back, in ascending order and no
+    /// farther apart than `widest` mm.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn along_x(
+        tips: &TipHeights,
+        (plate, widest): (DVec2, f64),
+        places: &[(f64, bool)],
+        [step, quantum]: [f64; 2],
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        Self::at(tips, (Frame::new(plate, 0.0), widest), places, [step, quantum], progress)
+    }
+
+    fn at(
+        tips: &TipHeights,
+        (frame, stepover): (Frame, f64),
+        places: &[(f64, bool)],
+        [step, quantum]: [f64; 2],
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
+        let overrun = overrun(tips.profile());
         let along = ((frame.size.x + 2.0 * overrun) / step).ceil() as usize + 1;
-        let ways = (0..count)
-            .into_par_iter()
-            .map(|k| {
-                let y = whole((k as f64 + 0.5 - beyond) * passes.stepover, quantum);
+        let ways = places
+            .par_iter()
+            .enumerate()
+            .map(|(k, (y, backward))| {
+                let y = whole(*y, quantum);
                 let at = |i: usize| DVec2::new(step * i as f64 - overrun, y);
                 progress.check()?;
                 let tip = |i: usize| tips.at(frame.on_plate(at(i)));
                 if k % 64 == 0 {
-                    progress.fraction(k as f64 / count as f64);
+                    progress.fraction(k as f64 / places.len() as f64);
                 }
-                Ok((y, Way { from: -overrun, step, heights: (0..along).map(tip).collect() }))
+                let heights = (0..along).map(tip).collect();
+                Ok(Pass { y, backward: *backward, way: Way { from: -overrun, step, heights } })
             })
-            .collect::<Result<Vec<(f64, Way)>, Cancelled>>()?;
+            .collect::<Result<Vec<Pass>, Cancelled>>()?;
         let steepest = steepest(&ways, &frame);
-        Ok(Self { frame, overrun, stepover: passes.stepover, steepest, ways }.grounded())
+        Ok(Self { frame, overrun, stepover, steepest, ways }.grounded())
     }
 
     /// Size of the plate, mm.
@@ -125,17 +163,16 @@ impl Ways {
     }
 
     /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting.
-    pub fn programs(&self, machine: &Machine, zigzag: bool) -> Vec<Vec<DVec3>> {
-        let program = |(k, (y, way)): (usize, &(f64, Way))| {
-            let backward = zigzag && k % 2 == 1;
-            let ends = way.programmed(machine, backward).into_iter();
+    pub fn programs(&self, machine: &Machine) -> Vec<Vec<DVec3>> {
+        let program = |Pass { y, backward, way }: &Pass| {
+            let ends = way.programmed(machine, *backward).into_iter();
             let mut ends: Vec<DVec3> = ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
-            if backward {
+            if *backward {
                 ends.reverse();
             }
             ends
         };
-        self.ways.par_iter().enumerate().map(program).collect()
+        self.ways.par_iter().map(program).collect()
     }
 
     /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.
@@ -146,10 +183,10 @@ impl Ways {
 
     /// Beside a turned plate nothing carries the cutter: it stays at its lowest there.
     fn grounded(mut self) -> Self {
-        let heights = || self.ways.iter().flat_map(|(_, way)| &way.heights).copied().filter(|z| z.is_finite());
+        let heights = || self.ways.iter().flat_map(|pass| &pass.way.heights).copied().filter(|z| z.is_finite());
         let lowest = heights().fold(f64::INFINITY, f64::min);
         let lowest = if lowest.is_finite() { lowest } else { 0.0 };
-        let all = self.ways.iter_mut().flat_map(|(_, way)| &mut way.heights);
+        let all = self.ways.iter_mut().flat_map(|pass| &mut pass.way.heights);
         all.filter(|z| !z.is_finite()).for_each(|z| *z = lowest);
         self
     }
@@ -189,9 +226,9 @@ pub fn finishing_hours(
 }
 
 /// Over the plate; beyond its rim the cutter rolls down, and leaves nothing there.
-fn steepest(ways: &[(f64, Way)], frame: &Frame) -> f64 {
+fn steepest(ways: &[Pass], frame: &Frame) -> f64 {
     let over = |a: DVec2, b: DVec2| [a, b].iter().all(|at| frame.is_on_plate(frame.on_plate(*at)));
-    let rises = |[(y, way), (next_y, next)]: [&(f64, Way); 2]| {
+    let rises = |[Pass { y, way, .. }, Pass { y: next_y, way: next, .. }]: [&Pass; 2]| {
         let rise = |a: DVec2, b: DVec2, rise: f64| if over(a, b) { (rise / (b - a).length()).abs() } else { 0.0 };
         let at = |i: usize| DVec2::new(way.from + way.step * i as f64, *y);
         (1..way.heights.len()).fold(DVec2::ZERO, |most: DVec2, i| {

@@ -62,7 +62,7 @@ impl Nodes {
 
 /// Weights of a Gaussian whose standard deviation is `sigma` samples: of the middle and of those at 1, 2 … on either side,
 /// to four standard deviations; their sum over both sides is 1.
-pub(super) fn taps(sigma: f64) -> Vec<f64> {
+pub(crate) fn taps(sigma: f64) -> Vec<f64> {
     let reach = (4.0 * sigma).ceil() as usize;
     let mut taps: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / sigma).powi(2)).exp()).collect();
     let sum = 2.0 * taps.iter().sum::<f64>() - taps[0];

@@ -4,13 +4,13 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// The stream of thing number `index`.
-pub(super) fn stream(seed: u64, index: u64) -> Xoshiro256PlusPlus {
+pub(crate) fn stream(seed: u64, index: u64) -> Xoshiro256PlusPlus {
     // An odd factor keeps neighbouring seeds and indices apart before the generator's own mixing.
     Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index))
 }
 
 /// One normal deviate of mean 0 and variance 1 (Box and Muller 1958).
-pub(super) fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
+pub(crate) fn normal(random: &mut Xoshiro256PlusPlus) -> f64 {
     let [radius, turn] = [random.random::<f64>(), random.random::<f64>()];
     (-2.0 * (1.0 - radius).ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }

@@ -8,8 +8,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use super::machine::Machine;
-use super::passes::{Frame, Ways};
-use super::track::{Samples, Way, Which};
+use super::passes::{Frame, Pass, Ways};
+use super::track::{Samples, Which};
 use crate::cutter::Profile;
 
 /// Places handled at once, so that they stay in the nearest cache.
@@ -72,7 +72,7 @@ pub struct Sweep {
 impl Sweep {
     /// Passes along `ways` by `machine` with a cutter of `profile`, samples `step` mm apart; its random errors follow from
     /// `seed`.
-    pub fn new(ways: &Ways, (profile, machine): (Profile, &Machine), zigzag: bool, step: f64, seed: u64) -> Self {
+    pub fn new(ways: &Ways, (profile, machine): (Profile, &Machine), step: f64, seed: u64) -> Self {
         let cutter = Turning::new(profile, machine);
         let tooth = ((machine.feed_per_tooth / step).round() as usize).max(1);
         let apart = ways.stepover.hypot(step * tooth as f64);
@@ -82,8 +82,8 @@ impl Sweep {
         let ahead = (ways.overrun / step).ceil();
         let count = (ways.frame.size.x / step).round() as usize + 1 + 2 * ahead as usize;
         let samples = Samples { from: -ahead * step, step, count, tooth };
-        let cut = |(k, (y, way)): (usize, &(f64, Way))| {
-            let which = Which { index: k as u64, backward: zigzag && k % 2 == 1 };
+        let cut = |(k, Pass { y, backward, way }): (usize, &Pass)| {
+            let which = Which { index: k as u64, backward: *backward };
             Track { y: *y, tips: way.cut(machine, seed, which, samples) }
         };
         let tracks = ways.ways.par_iter().enumerate().map(cut).collect();
@@ -116,6 +116,41 @@ impl Sweep {
                 }
             });
         }
+    }
+
+    /// Height at a place of the frame, mm; infinite where nothing is cut.
+    pub fn height(&self, place: DVec2) -> f64 {
+        let Samples { from, step, count, .. } = self.samples;
+        let first = self.tracks.partition_point(|track| track.y < place.y - self.window);
+        let last = self.tracks.partition_point(|track| track.y <= place.y + self.window);
+        let mut passed: Vec<&Track> = self.tracks[first..last].iter().collect();
+        // The nearest first: it says how far others can matter.
+        passed.sort_by(|a, b| (a.y - place.y).abs().total_cmp(&(b.y - place.y).abs()));
+        let mut lowest = f64::INFINITY;
+        for track in passed {
+            let across = place.y - track.y;
+            let within = |reach: f64| {
+                let [first, last] = [place.x - reach, place.x + reach].map(|x| (x - from) / step);
+                let last = (last.floor() + 1.0).clamp(0.0, count as f64) as usize;
+                (first.ceil().max(0.0) as usize).min(last)..last
+            };
+            let reach = (self.window * self.window - across * across).max(0.0).sqrt();
+            let tip = track.tips[within(reach)].iter().copied().fold(f32::INFINITY, f32::min);
+            // Where no tooth cuts nothing is left, nor where the underside is higher than what is found.
+            let above = lowest - f64::from(tip);
+            if above <= 0.0 || !tip.is_finite() {
+                continue;
+            }
+            let high = if above.is_finite() { self.cutter.profile.radius_at(above + self.cutter.worn) } else { reach };
+            let near = (high + self.cutter.runout).min(self.window);
+            let reach = (near * near - across * across).max(0.0).sqrt().min(reach);
+            for k in within(reach) {
+                let tip = f64::from(track.tips[k]);
+                let along = place.x - (from + step * k as f64);
+                lowest = lowest.min(tip + self.cutter.underside(along.hypot(across)));
+            }
+        }
+        lowest
     }
 
     /// Slopes along and across the frame of a row at `y` mm, its places shifted by `shift` mm along it; not a number where

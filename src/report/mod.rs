@@ -28,6 +28,8 @@ pub mod mill;
 
 pub mod plan;
 
+pub mod coupon;
+
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

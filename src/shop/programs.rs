@@ -82,6 +82,8 @@ pub struct Shop {
     pub roughing: Roughing,
     /// What the plate is called.
     pub name: String,
+    /// Its finishing passes in words, where they are not all as far apart.
+    pub passes: Option<String>,
 }
 
 /// A program on its way to its file.
@@ -140,7 +142,7 @@ impl Shop {
     ) -> Result<Vec<ShopFile>, ShopError> {
         let machining = self.finishing();
         let origin = self.blank.origin_of_optical();
-        let mut finishing = ways.programs(&machining.machine, machining.passes.zigzag);
+        let mut finishing = ways.programs(&machining.machine);
         finishing.iter_mut().flatten().for_each(|point| *point += origin);
         // Roughing is judged against the plate with its allowance, which is more than against the plate itself.
         let rough_tips = self.roughing.tips(&Block { mesh, optical: self.blank.optical() });
@@ -253,6 +255,8 @@ impl Shop {
             )),
             Part::Roughing => {
                 let Roughing { stepover, step, allowance, .. } = self.roughing;
+                // To a tenth of a micrometre, without the digits that a sum of decimals leaves.
+                let [stepover, step, allowance] = [stepover, step, allowance].map(|mm| (1e4 * mm).round() / 1e4);
                 heading.push(format!(
                     "Levels up to {step} mm deep, passes {stepover} mm apart; leaves {allowance} mm over the optical area"
                 ));
@@ -271,13 +275,18 @@ impl Shop {
         let play = 1000.0 * machine.compensation_z;
         let play =
             (play > 0.0).then(|| format!("{PLAY}{play} µm of play in z, measured of this machine: not for another"));
-        let mut about = vec![
+        let passes = self.passes.clone().unwrap_or_else(|| {
             format!(
-                "Passes {} mm apart at {:.1} deg, {way}; cusps {:.4} µm; chords within 0.05 µm where segments as short as \
-                 the control takes allow it; {} decimals: no sender may cut them",
+                "Passes {} mm apart at {:.1} deg, {way}; cusps {:.4} µm",
                 passes.stepover,
                 passes.angle.to_degrees(),
-                1000.0 * machining.cusp_height(),
+                1000.0 * machining.cusp_height()
+            )
+        });
+        let mut about = vec![
+            format!(
+                "{passes}; chords within 0.05 µm where segments as short as the control takes allow it; {} decimals: no \
+                 sender may cut them",
                 machine.decimals
             ),
             match polish {

@@ -16,6 +16,10 @@ pub struct Sheet<'a> {
     pub rim: Option<String>,
     /// How the light comes out, in a sentence, if that is known.
     pub verdict: Option<String>,
+    /// What is to be polished, in words, where it is not all of it evenly.
+    pub polish: Option<String>,
+    /// Further sections, each with its heading and its paragraphs.
+    pub more: Vec<(String, Vec<String>)>,
     /// Pictures, each with what it shows and its address: `data:` for one that is to be within the page.
     pub pictures: Vec<(String, String)>,
     /// What a person should know.
@@ -50,6 +54,10 @@ impl Sheet<'_> {
             ("Polish", self.polish()),
         ] {
             let _ = writeln!(page, "<section><h2>{title}</h2>\n{content}</section>");
+        }
+        for (title, paragraphs) in &self.more {
+            let paragraphs: String = paragraphs.iter().map(|text| format!("<p>{}</p>", escaped(text))).collect();
+            let _ = writeln!(page, "<section><h2>{}</h2>\n{paragraphs}</section>", escaped(title));
         }
         if !self.advice.is_empty() {
             let items: String = self.advice.iter().map(|line| format!("<li>{}</li>", escaped(line))).collect();
@@ -225,6 +233,9 @@ impl Sheet<'_> {
     }
 
     fn polish(&self) -> String {
+        if let Some(polish) = &self.polish {
+            return format!("<p>{}</p>\n", escaped(polish));
+        }
         let machining = self.shop.finishing();
         let cusps = 1000.0 * machining.cusp_height();
         match machining.polish {

@@ -10,6 +10,7 @@ mod shop;
 mod closed_forms;
 mod closed_solids;
 mod conservation;
+mod coupon;
 mod fence;
 mod field_reports;
 mod gcode_programs;

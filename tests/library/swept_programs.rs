@@ -19,7 +19,7 @@ fn what_is_written_leaves_the_surface_that_was_simulated() {
         let machining = shop.finishing();
         let swept = Swept::new(&strokes(&program, shop.blank.origin_of_optical()), machining.cutter.profile());
         // Along the passes before they became a program: rounding to decimals is all that is between.
-        let tracks = ways.programs(&machining.machine, false);
+        let tracks = ways.programs(&machining.machine);
         let pairs = tracks.iter().flat_map(|track| track.windows(2));
         let passes: Vec<Stroke> = pairs.map(|pair| Stroke { from: pair[0], to: pair[1], line: 0 }).collect();
         let passed = Swept::new(&passes, machining.cutter.profile());

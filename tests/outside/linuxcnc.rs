@@ -132,7 +132,7 @@ fn a_finishing_program_leaves_the_simulated_surface_by_linuxcnc_s_positions_and_
     };
     // Of the passes before they became a program.
     let machining = shop.finishing();
-    let tracks = ways.programs(&machining.machine, false);
+    let tracks = ways.programs(&machining.machine);
     let pairs = tracks.iter().flat_map(|track| track.windows(2));
     let strokes: Vec<Stroke> = pairs.map(|pair| Stroke { from: pair[0], to: pair[1], line: 0 }).collect();
     let simulated = Swept::new(&strokes, machining.cutter.profile());

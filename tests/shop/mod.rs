@@ -46,6 +46,7 @@ pub fn shop(mesh: &Mesh, degrees: f64, dialect: Dialect) -> Shop {
         blank: Blank::new(mesh, 0.0, 0.2),
         roughing,
         name: "wavy".into(),
+        passes: None,
     }
 }
 

@@ -85,7 +85,7 @@ pub fn recipe(path: &Path) -> Result<Recipe, Failure> {
 }
 
 /// The text of a file that a person wrote, which is to be a `what` such as `example`.
-fn text(path: &Path, what: &str, example: &str) -> Result<String, Failure> {
+pub fn text(path: &Path, what: &str, example: &str) -> Result<String, Failure> {
     let name = path.display();
     let mut text = String::new();
     let cannot = |what: String| Failure::Input(format!("{name}: {what}"));

@@ -25,7 +25,12 @@ pub fn named(args: &MachineArgs, recipe: &mut Recipe) -> Result<(), Failure> {
     match args.machine.as_deref() {
         None => {}
         Some(NONE) => recipe.machining = MachiningSettings::default(),
-        Some(name) => recipe.machining.machine = Some(machine(name)?),
+        Some(name) => {
+            let machine = machine(name)?;
+            let sheet = &mut recipe.design.sheet;
+            sheet.polish = sheet.polish.or(machine.polish);
+            recipe.machining.machine = Some(machine);
+        }
     }
     Ok(())
 }
@@ -62,7 +67,7 @@ pub fn proved(
 }
 
 /// A preset, or what a file says.
-fn machine(name: &str) -> Result<Machine, Failure> {
+pub fn machine(name: &str) -> Result<Machine, Failure> {
     if let Some(machine) = Machine::preset(name) {
         return Ok(machine);
     }

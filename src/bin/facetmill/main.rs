@@ -6,6 +6,10 @@ mod files;
 
 mod wrapping;
 
+mod rows;
+
+mod wall_tables;
+
 mod tables;
 
 mod values;
@@ -40,6 +44,8 @@ mod machining;
 
 mod astray;
 
+mod in_room;
+
 mod verify;
 
 mod mill_tables;
@@ -49,6 +55,10 @@ mod drawn;
 mod program_check;
 
 mod mill;
+
+mod coupon_reading;
+
+mod coupon;
 
 mod design;
 
@@ -77,6 +87,7 @@ fn main() -> ExitCode {
         Command::Measure(args) => &args.running,
         Command::Plan(args) => &args.running,
         Command::Mill(args) => &args.running,
+        Command::Coupon(args) => &args.running,
         Command::Fit(args) => &args.running,
         Command::Completions { shell } => return manual::written(manual::completions(*shell)),
         Command::Man => return manual::written(manual::page()),
@@ -100,6 +111,7 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
             Command::Measure(args) => measure::run(args, &run),
             Command::Plan(args) => plan::run(args, &run),
             Command::Mill(args) => mill::run(args, &run),
+            Command::Coupon(args) => coupon::run(args, &run),
             Command::Fit(args) => fit::run(args, &run),
             Command::Completions { .. } | Command::Man => Ok(()),
         }

@@ -12,6 +12,8 @@ mod plan;
 
 mod mill;
 
+mod coupon;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -22,6 +24,7 @@ use facetmill::memory::MemoryLimit;
 
 use crate::values::{Limit, UnitArg, UpArg, memory, threads};
 
+pub use coupon::CouponArgs;
 pub use design::DesignArgs;
 pub use fit::FitArgs;
 pub use measure::MeasureArgs;
@@ -122,6 +125,19 @@ Examples:
   facetmill mill plate.stl --machine mine.toml --cutter ball:1 --material brass --rough-cutter flat:3 -o shop")]
     #[command(allow_negative_numbers = true)]
     Mill(Box<MillArgs>),
+    /// Write a test piece for a machine, or read from a finished one how the machine scatters, its play, its tip, the polish
+    ///
+    /// The folder receives plate.stl, its programs as `mill` writes them, setup.html (how to cut it, which half to polish,
+    /// how to scan or photograph it), coupon.toml and report.json. About 20 minutes of cutting.
+    ///
+    /// With --read a scan or photographs of the finished piece become machine.toml, each value with its standard error, for
+    /// --machine of every other command.
+    #[command(after_help = "\
+Examples:
+  facetmill coupon --machine desktop-good --for-cutter ball:0.5 -o piece
+  facetmill coupon --read scan.csv --against piece -o mine                then design --machine mine/machine.toml")]
+    #[command(allow_negative_numbers = true)]
+    Coupon(Box<CouponArgs>),
     /// Fit models of reflectance to a measured BRDF, and print each as a SPEC for --goal and --material
     ///
     /// Eleven models, one lobe each over an even base, the best three with up to three lobes, ranked by the root of the mean
