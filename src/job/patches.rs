@@ -44,7 +44,7 @@ pub enum Asked {
     /// A picture: light from 0 to 1 for each patch.
     Portrait(Raster),
     /// Lobes by maps.
-    Maps(Maps),
+    Maps(Box<Maps>),
 }
 
 /// A plate of patches and what is known of it.

@@ -116,7 +116,7 @@ fn asked(recipe: &Recipe, file: Option<&Path>, limit: MemoryLimit) -> Result<(As
             _ => maps.anisotropy = Some([red, green, blue]),
         }
     }
-    Ok((Asked::Maps(maps), None))
+    Ok((Asked::Maps(Box::new(maps)), None))
 }
 
 /// Of a coloured map of one number, the mean of its colours.
