@@ -5,13 +5,13 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use facetmill::cutter::Cutter;
 use facetmill::progress::Progress;
+use facetmill::sculpt::axis_histogram::AxisHistogram;
 use facetmill::sculpt::closing::Closing;
 use facetmill::sculpt::concave_edges::ConcaveEdges;
 use facetmill::sculpt::edge_slopes::{EdgeSlopes, Lattice};
 use facetmill::sculpt::light_model::LightModel;
 use facetmill::sculpt::objective::relief;
 use facetmill::sculpt::periodic_filter::PeriodicFilter;
-use facetmill::sculpt::slope_histogram::SlopeHistogram;
 use facetmill::sculpt::target::SlopeTarget;
 use facetmill::sculpt::tool::Tool;
 use facetmill::slope::Slope;
@@ -42,9 +42,10 @@ fn kernels(criterion: &mut Criterion) {
         bin: 0.125,
         wanted: vec![0.0; SIDE * SIDE],
         per_slope,
+        degrees: DMat2::from_diagonal(DVec2::splat(-0.125)),
         middle: DVec2::splat(0.5 * SIDE as f64),
     };
-    let bins = SlopeHistogram::new(&target);
+    let bins = AxisHistogram::new(&target);
     let potential: Vec<f32> = (0..SIDE * SIDE).map(|k| ((k % SIDE) as f32 * 0.1).sin()).collect();
     let edges = EdgeSlopes::new(lattice, &z);
     let plain = LightModel::new(lattice, bins, 0.0, None);

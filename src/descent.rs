@@ -39,6 +39,16 @@ pub struct Descent {
     pub first_move: f64,
 }
 
+/// What a descent remembers of its way: moves, the changes of the gradient that they made, and the inverse of both's product.
+#[derive(Clone, Debug)]
+pub struct Past<T>(VecDeque<(Vec<T>, Vec<T>, f64)>);
+
+impl<T> Default for Past<T> {
+    fn default() -> Self {
+        Self(VecDeque::new())
+    }
+}
+
 /// Lowers `objective` from `x`; returns the final value.
 ///
 /// `objective` writes the gradient at its first argument into its second and returns the value there. `goes_on` is asked
@@ -48,19 +58,32 @@ pub struct Descent {
 pub fn minimise<T: Number>(
     x: &mut [T],
     settings: &Descent,
+    objective: impl FnMut(&[T], &mut [T]) -> Result<f64, Cancelled>,
+    goes_on: impl FnMut(usize) -> bool,
+) -> Result<f64, Cancelled> {
+    minimise_on(x, &mut Past::default(), settings, objective, goes_on)
+}
+
+/// The same, going on from what an earlier descent of a similar objective remembers; what it remembers itself is added.
+///
+/// Where only a part of the objective was changed that is nearly linear, its curvature is still the one that was met, and
+/// the first steps need not find it anew.
+pub fn minimise_on<T: Number>(
+    x: &mut [T],
+    Past(past): &mut Past<T>,
+    settings: &Descent,
     mut objective: impl FnMut(&[T], &mut [T]) -> Result<f64, Cancelled>,
     mut goes_on: impl FnMut(usize) -> bool,
 ) -> Result<f64, Cancelled> {
     let n = x.len();
     let mut gradient = vec![T::default(); n];
     let mut value = objective(x, &mut gradient)?;
-    let mut past: VecDeque<(Vec<T>, Vec<T>, f64)> = VecDeque::new();
     let (mut trial, mut trial_gradient) = (vec![T::default(); n], vec![T::default(); n]);
     for step in 0..settings.steps {
         if !goes_on(step) {
             break;
         }
-        let mut direction = newton_direction(&gradient, &past);
+        let mut direction = newton_direction(&gradient, past);
         if past.is_empty() {
             let largest = direction.iter().fold(0.0f64, |m, &d| m.max(d.into().abs()));
             if !(largest > 0.0 && largest.is_finite()) {

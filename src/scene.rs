@@ -275,7 +275,8 @@ pub enum SceneError {
     },
     /// The lamp is as near as the plate itself.
     #[error(
-        "a lamp of radius {radius} mm {distance:.1} mm from the plate's middle would touch the plate: move it away"
+        "a lamp of radius {radius} mm {distance:.1} mm from the plate's middle would touch the plate: move it away; \
+         distances are in mm"
     )]
     LampInPlate {
         /// From the plate's middle, mm.
@@ -309,7 +310,10 @@ pub enum SceneError {
         angle: f64,
     },
     /// A corner of the plate is behind the wall.
-    #[error("the wall {distance:.0} mm away would cut the plate, by {beyond:.1} mm: move it away or turn it back")]
+    #[error(
+        "the wall {distance:.0} mm away would cut the plate, by {beyond:.1} mm: move it away or turn it back; distances are \
+         in mm"
+    )]
     WallInPlate {
         /// From the plate's middle to the picture's, mm.
         distance: f64,

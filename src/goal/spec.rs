@@ -95,7 +95,7 @@ impl FromStr for GoalSpec {
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
         // A model of that name begins with a number.
         let numbers = rest.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) && !rest.contains(".toml");
-        let Some(kind) = GoalFile::ALL.into_iter().find(|own| own.name() == kind.trim()) else {
+        let Some(kind) = GoalFile::ALL.into_iter().find(|own| own.name() == kind.trim().to_lowercase()) else {
             return text.parse().map(Self::Model).map_err(|error| match error {
                 NamedError::Unknown(word) => GoalSpecError::Unknown(word),
                 other => GoalSpecError::Model(other),

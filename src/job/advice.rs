@@ -92,11 +92,16 @@ fn straying(design: &Design) -> Option<String> {
 }
 
 fn no_cutter(recipe: &Recipe) -> Option<String> {
-    let sharp = recipe.surface() == SurfaceKind::Sheet && recipe.design.sheet.cutter.is_none();
-    sharp.then(|| {
-        "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
-            .into()
-    })
+    let sentence = match recipe.surface() {
+        SurfaceKind::Sheet => {
+            "No cutter was named, so valleys are as sharp as triangles: --for-cutter ball:0.5 shapes the relief for a mill."
+        }
+        SurfaceKind::Facets => {
+            "No cutter was named, so steps and valleys are as sharp as facets: --for-cutter ball:0.5 tells what a mill leaves \
+             of their light."
+        }
+    };
+    recipe.design.sheet.cutter.is_none().then(|| sentence.into())
 }
 
 /// More detail in the picture than lamp and metal, or the facets, can show.

@@ -8,9 +8,13 @@ use crate::export::sheet::sheet_solid;
 use crate::highlight::{Quantity, scored_target};
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
-use crate::recipe::{BorderFinish, Recipe};
+use crate::recipe::{BorderFinish, Cutter, Recipe};
+use crate::relief::faceted::FacetedRelief;
 use crate::relief::height_grid::HeightGrid;
+use crate::relief::mesh::Mesh;
 use crate::relief::open::{NodeGrid, OpenRelief};
+use crate::relief::recognise::Recognised;
+use crate::relief::repeats::{unrepeated, within_rim};
 use crate::report::on_wall::{CellsOnWall, DiffractionOnWall, OnWallFacts, UnderSun};
 use crate::scene::Scene;
 use crate::sculpt::detail::WAVELENGTH;
@@ -239,41 +243,76 @@ pub fn rim_proof(light: RimLight, thrown: &Measurement, finish: BorderFinish) ->
 }
 
 /// Light over the plate as its cutter and polish leave it, and the most that the cutter leaves, mm; `None` without them.
-#[allow(clippy::type_complexity)]
 fn over_milled(
     room: &RoomProof,
     design: &Design,
     sheet: Option<&OpenRelief>,
-) -> Result<Option<(Option<Measurement>, f64)>, DesignError> {
+) -> Result<Option<ThrownMilled>, DesignError> {
     let (cutter, polish) = (room.recipe.design.sheet.cutter, room.recipe.design.sheet.polish);
-    let progress = room.mirrored.progress;
     if cutter.is_none() && polish.is_none() {
         return Ok(None);
     }
-    progress.stage(Stage::Milling);
-    let (surface, left) = match (sheet, cutter) {
-        (None, None) => return Ok(None),
-        (None, Some(cutter)) => {
-            let cut = milled_facets(&design.relief, cutter, progress)?;
-            (cut.surface, cut.most_left)
+    room.mirrored.progress.stage(Stage::Milling);
+    match sheet {
+        Some(relief) => room.over_milled_sheet(relief).map(Some),
+        None => cutter.map(|cutter| room.over_milled_facets(&design.relief, cutter)).transpose(),
+    }
+}
+
+/// Light thrown on the wall by a milled plate, and the most that its cutter leaves, mm.
+pub type ThrownMilled = (Option<Measurement>, f64);
+
+impl RoomProof<'_> {
+    /// Light over the plate of the recipe that stands in `mesh`, as its cutter and polish leave it; `None` without them, or
+    /// if the mesh is no such plate. The optical area is the xy bounding box less `margin` mm on each side.
+    ///
+    /// # Errors
+    /// The milled plate cannot be traced, or the job is abandoned.
+    pub fn over_milled_mesh(&self, mesh: &Mesh, margin: f64) -> Result<Option<ThrownMilled>, DesignError> {
+        let (cutter, polish) = (self.recipe.design.sheet.cutter, self.recipe.design.sheet.polish);
+        if cutter.is_none() && polish.is_none() {
+            return Ok(None);
         }
-        (Some(relief), _) => {
-            let grid = PlateGrid::of(relief, cutter);
-            let written = grid.embedded(relief);
-            let (grid, heights, left) = match cutter {
-                None => (grid, written, 0.0),
-                Some(cutter) => {
-                    let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress)?;
-                    let left = cut.most_left();
-                    (cut.grid, cut.heights, left)
-                }
-            };
-            let heights = polish.map_or(heights.clone(), |sigma| polished(&grid, heights, sigma));
-            (height_grid(&grid.plate(&heights), progress)?, left)
+        let progress = self.mirrored.progress;
+        progress.stage(Stage::Milling);
+        match within_rim(mesh, margin, progress)? {
+            Some((Recognised::Heights(grid), (low, high))) => {
+                unrepeated(&grid, low, high).map(|relief| self.over_milled_sheet(&relief)).transpose()
+            }
+            Some((Recognised::Facets(relief), _)) => {
+                cutter.map(|cutter| self.over_milled_facets(&relief, cutter)).transpose()
+            }
+            None => Ok(None),
         }
-    };
-    progress.check()?;
-    Ok(Some((room.throwing().on(&GridSurface::continuous(&surface, progress)?), left)))
+    }
+
+    fn over_milled_facets(&self, relief: &FacetedRelief, cutter: Cutter) -> Result<ThrownMilled, DesignError> {
+        let progress = self.mirrored.progress;
+        let cut = milled_facets(relief, cutter, progress)?;
+        Ok((self.throwing().on(&GridSurface::continuous(&cut.surface, progress)?), cut.most_left))
+    }
+
+    fn over_milled_sheet(&self, relief: &OpenRelief) -> Result<ThrownMilled, DesignError> {
+        let (cutter, polish) = (self.recipe.design.sheet.cutter, self.recipe.design.sheet.polish);
+        let progress = self.mirrored.progress;
+        let grid = PlateGrid::of(relief, cutter);
+        let written = grid.embedded(relief);
+        let (grid, heights, left) = match cutter {
+            None => (grid, written, 0.0),
+            Some(cutter) => {
+                let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress)?;
+                let left = cut.most_left();
+                (cut.grid, cut.heights, left)
+            }
+        };
+        let heights = match polish {
+            Some(sigma) => polished(&grid, heights, sigma),
+            None => heights,
+        };
+        let surface = height_grid(&grid.plate(&heights), progress)?;
+        progress.check()?;
+        Ok((self.throwing().on(&GridSurface::continuous(&surface, progress)?), left))
+    }
 }
 
 /// The change of the light at a blur of 0.5° that shows a patch to be needed: as for far sheets at 1°.

@@ -76,14 +76,12 @@ impl Product {
         let Recipe { plate, light, highlight, .. } = &self.recipe;
         let [width, height] = plate.size;
         let (low, high) = self.design.relief.optical_heights();
-        format!(
-            "{width} × {height} mm, {}, relief {:.2} mm   ·   light at {}°, {}°   ·   half field {}°",
-            self.made_of(),
-            high - low,
-            light.theta,
-            light.phi,
-            highlight.half_field
-        )
+        let plate = format!("{width} × {height} mm, {}, relief {:.2} mm", self.made_of(), high - low);
+        // Of lamp and wall nearby the pictures say themselves where they stand and how wide the picture is.
+        if self.recipe.is_near() {
+            return plate;
+        }
+        format!("{plate}   ·   light at {}°, {}°   ·   half field {}°", light.theta, light.phi, highlight.half_field)
     }
 }
 

@@ -11,8 +11,8 @@ use crate::recipe::{BorderFinish, Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
 use crate::relief::mesh::Mesh;
 use crate::relief::periodic::PeriodicRelief;
-use crate::relief::recognise::{Recognised, recognise};
-use crate::relief::repeats::{repeated, within};
+use crate::relief::recognise::Recognised;
+use crate::relief::repeats::{repeated, within_rim};
 use crate::sculpt::detail::{diffracted, smallest_detail};
 use crate::sculpt::milled_facets::milled_facets;
 use crate::sculpt::tool::{Tool, polished};
@@ -165,28 +165,17 @@ pub fn send_over_milled_mesh(
     if cutter.is_none() && recipe.design.sheet.polish.is_none() {
         return Ok(None);
     }
-    let (low, high) = mesh.bounds();
-    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
-    mirrored.progress.stage(Stage::Milling);
-    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
     let progress = mirrored.progress;
-    match recognise(if margin > 0.0 { &upper } else { mesh }, progress)? {
-        Some(Recognised::Heights(grid)) => {
+    progress.stage(Stage::Milling);
+    match within_rim(mesh, margin, progress)? {
+        Some((Recognised::Heights(grid), (low, high))) => {
             let Some(relief) = repeated(&grid, low, high, recipe.cells()) else { return Ok(None) };
             let made = CutSheet::of(recipe, &relief, progress)?;
             let solid = sheet_solid(&made.relief, recipe.plate.thickness, 0.0, progress)?;
             let surface = TracedPlate::new(&solid, 0.0, progress)?;
             Ok(Some((surface.run(mirrored)?, made.left)))
         }
-        Some(Recognised::Facets(mut relief)) => {
-            let lines = |lines: &[f64], low: f64, high: f64| {
-                let slack = 1e-6 * (high - low);
-                let first = lines.partition_point(|line| *line < low - slack);
-                first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
-            };
-            relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
-            let whole = !relief.optical.0.is_empty() && !relief.optical.1.is_empty();
-            let cutter = cutter.filter(|_| whole);
+        Some((Recognised::Facets(relief), _)) => {
             Ok(cutter.map(|cutter| send_over_milled_facets(&relief, cutter, mirrored)).transpose()?)
         }
         None => Ok(None),

@@ -4,7 +4,10 @@ use glam::{DVec2, DVec3};
 
 use super::height_grid::{HeightGrid, rises};
 use super::mesh::Mesh;
+use super::open::OpenRelief;
 use super::periodic::PeriodicRelief;
+use super::recognise::{Recognised, recognise};
+use crate::progress::{Cancelled, Progress};
 use crate::slope::Slope;
 
 /// Heights of the same node in two cells may differ by this, mm: what single precision leaves of plates some mm high.
@@ -52,9 +55,24 @@ pub fn repeated(grid: &HeightGrid, low: DVec2, high: DVec2, cells: [usize; 2]) -
     (0..x.count * y.count).all(|k| as_cut(&k)).then_some(relief)
 }
 
+/// The part of `grid` from corner `low` to corner `high` as a sheet of which nothing is repeated; `None` if its lines are
+/// not even.
+pub fn unrepeated(grid: &HeightGrid, low: DVec2, high: DVec2) -> Option<OpenRelief> {
+    let (x, y) = (evenly(&grid.x, low.x, high.x)?, evenly(&grid.y, low.y, high.y)?);
+    let rows = (0..=y.count).map(|j| (y.first + j) * grid.x.len() + x.first);
+    let heights: Vec<f64> = rows.flat_map(|at| grid.heights[at..=at + x.count].iter().copied()).collect();
+    // Single precision is for heights above the lowest, not above the underside.
+    let lowest = heights.iter().copied().fold(f64::INFINITY, f64::min);
+    Some(OpenRelief {
+        nodes: [x.count + 1, y.count + 1],
+        step: (high - low) / DVec2::new(x.count as f64, y.count as f64),
+        heights: heights.into_iter().map(|z| (z - lowest) as f32).collect(),
+    })
+}
+
 /// The part of a mesh whose triangles look up between corner `low` and corner `high`: a border, which is cut as few
 /// triangles as will do, hides the grid within it.
-pub fn within(mesh: &Mesh, low: DVec2, high: DVec2) -> Mesh {
+fn within(mesh: &Mesh, low: DVec2, high: DVec2) -> Mesh {
     let slack = 1e-6 * (high - low);
     let inside = |v: DVec3| v.truncate().cmpge(low - slack).all() && v.truncate().cmple(high + slack).all();
     let mut part = Mesh::default();
@@ -94,12 +112,35 @@ fn evenly(lines: &[f64], low: f64, high: f64) -> Option<Evenly> {
     even.then_some(Evenly { first, count })
 }
 
+/// What stands in `mesh` but for the rim of `margin` mm, and the corners of that, mm; `None` if it is no plate of ours.
+pub(crate) fn within_rim(
+    mesh: &Mesh,
+    margin: f64,
+    progress: &Progress,
+) -> Result<Option<(Recognised, (DVec2, DVec2))>, Cancelled> {
+    let (low, high) = mesh.bounds();
+    let (low, high) = (low.truncate() + margin, high.truncate() - margin);
+    let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
+    let Some(mut found) = recognise(if margin > 0.0 { &upper } else { mesh }, progress)? else { return Ok(None) };
+    if let Recognised::Facets(relief) = &mut found {
+        let lines = |lines: &[f64], low: f64, high: f64| {
+            let slack = 1e-6 * (high - low);
+            let first = lines.partition_point(|line| *line < low - slack);
+            first..lines.partition_point(|line| *line <= high + slack).saturating_sub(1).max(first)
+        };
+        relief.optical = (lines(&relief.x, low.x, high.x), lines(&relief.y, low.y, high.y));
+        if relief.optical.0.is_empty() || relief.optical.1.is_empty() {
+            return Ok(None);
+        }
+    }
+    Ok(Some((found, (low, high))))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::recognise::{Recognised, recognise};
+    use super::super::open::NodeGrid;
     use super::*;
     use crate::export::sheet::sheet_solid;
-    use crate::progress::Progress;
 
     fn sheet() -> PeriodicRelief {
         let heights = (0..64).map(|k| ((k * 37 % 64) as f32) / 200.0).collect();
@@ -126,6 +167,13 @@ mod tests {
                 assert!((a - (b - mean)).abs() < 1e-5);
             }
             assert!(repeated(&grid, optical.0, optical.1, [1, 1]).is_none());
+            let open = unrepeated(&grid, optical.0, optical.1).unwrap();
+            assert_eq!(open.nodes, [25, 17]);
+            assert!((open.size() - DVec2::new(12.0, 12.0)).length() < 1e-5);
+            let lowest = open.heights.iter().copied().fold(f32::INFINITY, f32::min);
+            let above = |i: usize, j: usize| open.heights[j * 25 + i] - open.heights[0];
+            let tilt = sheet.tilt.to_vec().dot(DVec2::new(4.0, 6.0)) as f32;
+            assert!(lowest == 0.0 && (above(8, 8) - tilt).abs() < 1e-5);
             let mut worn = grid.clone();
             let middle = worn.heights.len() / 2;
             worn.heights[middle] += 1e-3;

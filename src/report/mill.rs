@@ -189,6 +189,8 @@ pub struct CheckReport {
     pub machine: Machine,
     /// What reading it said.
     pub read: ReadFacts,
+    /// Where its zero was taken to lie, mm from the stock's lower left corner and its upper face.
+    pub zero_mm: [f64; 3],
     /// The surface that it leaves, if it goes down to the plate.
     pub surface: Option<SurfaceFacts>,
     /// Standard deviation of the polish that was assumed, mm.

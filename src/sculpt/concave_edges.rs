@@ -15,8 +15,8 @@
 
 use crate::cutter::Cutter;
 
+use super::axis_histogram::{Along, AxisHistogram, Potential, StripLight};
 use super::edge_slopes::{EdgeRow, EdgeRowSums, Lattice};
-use super::slope_histogram::{Place, SlopeHistogram};
 
 /// Growth of the cost per unit of Δs when a jump is twice the sharpest one allowed, beside the 1 of its own area.
 ///
@@ -37,6 +37,8 @@ pub struct ConcaveEdges {
     share: [f32; 2],
     /// Largest Δs that is allowed.
     most: f32,
+    /// Its inverse.
+    per_most: f32,
 }
 
 /// An edge of a square and the slopes on both sides of it; concave where `to` is above `from`.
@@ -71,9 +73,49 @@ impl ConcaveEdge {
         }
     }
 
-    fn ends(self, bins: &SlopeHistogram) -> [Place; 2] {
-        let place = |s: f32| if self.axis == 0 { bins.place(s, self.along) } else { bins.place(self.along, s) };
-        [place(self.from), place(self.to)]
+    /// Where its ends lie along p and q.
+    #[inline(always)]
+    fn ends(self, bins: &AxisHistogram) -> [[Along; 2]; 2] {
+        if self.axis == 0 {
+            let along = bins.y(self.along);
+            [[bins.x(self.from), along], [bins.x(self.to), along]]
+        } else {
+            let along = bins.x(self.along);
+            [[along, bins.y(self.from)], [along, bins.y(self.to)]]
+        }
+    }
+}
+
+/// Gradients with respect to the slopes of a row's edges at which p, or q, jumps: at both ends of the jump, and along it.
+struct EdgeGradients {
+    ends: Vec<[f32; 2]>,
+    along: Vec<f32>,
+}
+
+impl EdgeGradients {
+    /// Adds them to the slopes that they are of: of two the lower before an edge, and the higher one after it.
+    fn add_to(&self, axis: usize, row: &EdgeRow<'_>, sums: &mut EdgeRowSums<'_>) {
+        let n = self.ends.len();
+        let ([p0, p1], [q0, q1]) = (row.p.map(|p| &p[..n + 1]), row.q.map(|q| &q[..n + 1]));
+        let [of_p0, of_p1] = sums.p.each_mut().map(|sums| &mut sums[..n + 1]);
+        let [of_q0, of_q1] = sums.q.each_mut().map(|sums| &mut sums[..n + 1]);
+        // Without branches: which of two is lower no processor foresees.
+        let part = |first: bool, value: f32| if first { [value, 0.0] } else { [0.0, value] };
+        for (i, (ends, along)) in self.ends.iter().zip(&self.along).enumerate() {
+            if axis == 0 {
+                let from = part(p1[i] < p0[i], ends[0]);
+                let to = part(p1[i + 1] > p0[i + 1], ends[1]);
+                (of_p0[i], of_p1[i]) = (of_p0[i] + from[1], of_p1[i] + from[0]);
+                (of_p0[i + 1], of_p1[i + 1]) = (of_p0[i + 1] + to[1], of_p1[i + 1] + to[0]);
+                of_q0[i + 1] += along;
+            } else {
+                let from = part(q0[i + 1] < q0[i], ends[0]);
+                let to = part(q1[i + 1] > q1[i], ends[1]);
+                (of_q0[i], of_q0[i + 1]) = (of_q0[i] + from[1], of_q0[i + 1] + from[0]);
+                (of_q1[i], of_q1[i + 1]) = (of_q1[i] + to[1], of_q1[i + 1] + to[0]);
+                of_p1[i] += along;
+            }
+        }
     }
 }
 
@@ -82,7 +124,7 @@ impl ConcaveEdges {
     pub fn new(lattice: Lattice, cutter: Cutter, most: f64) -> Self {
         let share =
             (cutter.valley_radius() / lattice.step / (lattice.n * lattice.n) as f64).to_array().map(|v| v as f32);
-        Self { share, most: most as f32 }
+        Self { share, most: most as f32, per_most: (1.0 / most) as f32 }
     }
 
     /// The same over `squares` squares in place of the lattice's own.
@@ -107,17 +149,19 @@ impl ConcaveEdges {
     }
 
     /// Adds to `light` what the fillets of a row move: their strips' light less what was there without them.
-    pub fn forward(&self, row: &EdgeRow<'_>, bins: &SlopeHistogram, light: &mut [f32]) {
+    pub(super) fn forward(&self, row: &EdgeRow<'_>, bins: &AxisHistogram, to: &mut StripLight) {
+        let per_slope = bins.per_slope();
         let slope_per_bin = bins.slope_per_bin();
         for i in 0..row.p[0].len() - 1 {
             for edge in Self::of(row, i).into_iter().filter(|edge| edge.moves_light(slope_per_bin)) {
-                let mass = self.share[edge.axis] * (edge.to - edge.from);
+                let (axis, share) = (edge.axis, self.share[edge.axis]);
+                let (half, density) = (0.5 * share * (edge.to - edge.from), share / per_slope[axis]);
                 let [near, far] = edge.ends(bins);
-                bins.splat(light, near, -0.5 * mass);
-                bins.splat(light, far, -0.5 * mass);
-                let (pieces, points) = bins.points_between(near, far);
-                let each = mass / pieces as f32;
-                points.for_each(|(_, at)| bins.splat(light, at, each));
+                // What would lie beyond the rim lies on it.
+                bins.splat(&mut to.light, near[0], near[1], -half - density * near[axis].beyond);
+                bins.splat(&mut to.light, far[0], far[1], density * far[axis].beyond - half);
+                bins.end_strip(to, axis, near, -density);
+                bins.end_strip(to, axis, far, density);
             }
         }
     }
@@ -130,65 +174,97 @@ impl ConcaveEdges {
 
     /// Adds to `sums` the gradient of Σ `potential` · light + `weight` · penalty with respect to the slopes of a row's
     /// edges, as far as its fillets go; returns their penalty.
-    pub fn adjoint(
+    pub(super) fn adjoint(
         &self,
         row: &EdgeRow<'_>,
-        bins: &SlopeHistogram,
-        potential: &[f32],
+        bins: &AxisHistogram,
+        potential: &Potential,
         weight: f32,
         sums: &mut EdgeRowSums<'_>,
     ) -> f64 {
+        let n = row.p[0].len() - 1;
+        let mut of_edges = EdgeGradients { ends: vec![[0.0; 2]; n], along: vec![0.0; n] };
         let mut penalty = 0.0;
-        let slope_per_bin = bins.slope_per_bin();
-        for i in 0..row.p[0].len() - 1 {
-            for edge in Self::of(row, i).into_iter().filter(|edge| edge.to > edge.from) {
-                let share = self.share[edge.axis];
-                let (cost, rate) = self.jump_cost(edge.to - edge.from);
-                penalty += f64::from(share * cost);
-                let strip = if edge.moves_light(slope_per_bin) { Self::strip(edge, bins, potential) } else { [0.0; 3] };
-                let [from, to, along] = strip.map(|v| share * v);
-                let (from, to) = (from - weight * share * rate, to + weight * share * rate);
-                edge.add_gradient(row, i, [from, to, along], sums);
-            }
+        for axis in 0..2 {
+            penalty += self.price(axis, row, weight, &mut of_edges);
+            self.add_strips(axis, row, bins, potential, &mut of_edges);
+            of_edges.add_to(axis, row, sums);
         }
         penalty
     }
 
+    /// What the edges of a row at which p, or q, jumps cost, several reckoned side by side; `weight` times its gradient
+    /// goes to `of_edges`.
+    fn price(&self, axis: usize, row: &EdgeRow<'_>, weight: f32, of_edges: &mut EdgeGradients) -> f64 {
+        let n = of_edges.ends.len();
+        let ([p0, p1], [q0, q1]) = (row.p.map(|p| &p[..n + 1]), row.q.map(|q| &q[..n + 1]));
+        let share = self.share[axis];
+        let mut costs = 0.0f32;
+        for (i, ends) in of_edges.ends.iter_mut().enumerate() {
+            let (from, to) = if axis == 0 {
+                (p0[i].min(p1[i]), p0[i + 1].max(p1[i + 1]))
+            } else {
+                (q0[i].min(q0[i + 1]), q1[i].max(q1[i + 1]))
+            };
+            let (cost, rate) = self.jump_cost(to - from);
+            costs += cost;
+            *ends = [-weight * share * rate, weight * share * rate];
+        }
+        f64::from(share * costs)
+    }
+
+    /// Adds the gradients of the light of the few edges whose fillets move light.
+    fn add_strips(
+        &self,
+        axis: usize,
+        row: &EdgeRow<'_>,
+        bins: &AxisHistogram,
+        potential: &Potential,
+        of_edges: &mut EdgeGradients,
+    ) {
+        let slope_per_bin = bins.slope_per_bin();
+        for (i, (ends, along)) in of_edges.ends.iter_mut().zip(&mut of_edges.along).enumerate() {
+            let edge = Self::of(row, i)[axis];
+            *along = 0.0;
+            if edge.moves_light(slope_per_bin) {
+                let [from, to, aside] = Self::strip(edge, bins, potential).map(|v| self.share[axis] * v);
+                *ends = [ends[0] + from, ends[1] + to];
+                *along = aside;
+            }
+        }
+    }
+
     /// Gradient of Δs · (mean of the potential along the fillet - mean of it at both ends) with respect to the slopes
     /// `from`, `to` and `along`.
-    fn strip(edge: ConcaveEdge, bins: &SlopeHistogram, potential: &[f32]) -> [f32; 3] {
+    #[inline(always)]
+    fn strip(edge: ConcaveEdge, bins: &AxisHistogram, potential: &Potential) -> [f32; 3] {
+        let (axis, per_slope) = (edge.axis, bins.per_slope());
+        let (per_across, per_along) = (per_slope[axis], per_slope[1 - axis]);
         let ends = edge.ends(bins);
-        let read = |at: Place| {
-            let (value, gradient) = bins.sample(potential, at);
-            let slopes = bins.to_slope(gradient);
-            [value, slopes[edge.axis], slopes[1 - edge.axis]]
-        };
-        let [near, far] = ends.map(read);
-        let mut sums = [-0.5 * (near[0] + far[0]), -0.5 * near[1], -0.5 * far[1], -0.5 * (near[2] + far[2])];
-        let (pieces, points) = bins.points_between(ends[0], ends[1]);
-        let each = 1.0 / pieces as f32;
-        for (t, at) in points {
-            let [value, across, along] = read(at);
-            sums[0] += each * value;
-            sums[1] += each * (1.0 - t) * across;
-            sums[2] += each * t * across;
-            sums[3] += each * along;
-        }
-        let width = edge.to - edge.from;
-        [width * sums[1] - sums[0], width * sums[2] + sums[0], width * sums[3]]
+        let [near, far] = ends.map(|end| bins.sample_strip(potential, axis, end));
+        let (half, mean) = (0.5 * (edge.to - edge.from), 0.5 * (near.value + far.value));
+        // The integral of the potential along the strip, moved aside; beyond the rim it is that on the rim.
+        let integral = far.across_integral - near.across_integral + ends[1][axis].beyond * far.across
+            - ends[0][axis].beyond * near.across;
+        [
+            mean - near.value - half * per_across * near.along,
+            far.value - mean - half * per_across * far.along,
+            per_along * (integral / per_across - half * (near.across + far.across)),
+        ]
     }
 
     /// What a jump Δs costs, and the derivative of that: Δs²/(Δs + SOFTNESS), and beyond the largest one allowed
     /// ½ STIFFNESS · most · (Δs/most - 1)² more.
+    #[inline(always)]
     pub(super) fn jump_cost(&self, jump: f32) -> (f32, f32) {
-        if jump <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let whole = jump + SOFTNESS;
-        let over = (jump / self.most - 1.0).max(0.0);
+        // Of a convex edge all terms are 0.
+        let jump = jump.max(0.0);
+        let inverse = 1.0 / (jump + SOFTNESS);
+        let part = jump * inverse;
+        let over = (jump * self.per_most - 1.0).max(0.0);
         (
-            jump * jump / whole + 0.5 * STIFFNESS * self.most * over * over,
-            jump * (jump + 2.0 * SOFTNESS) / (whole * whole) + STIFFNESS * over,
+            jump * part + 0.5 * STIFFNESS * self.most * over * over,
+            part * (jump + 2.0 * SOFTNESS) * inverse + STIFFNESS * over,
         )
     }
 }
@@ -208,15 +284,16 @@ mod tests {
         let (n, h, radius) = (16, 0.05, 0.03);
         let lattice = Lattice { n, step: DVec2::splat(h) };
         let z: Vec<f32> = (0..n * n).map(|k| 0.4 * h as f32 * ((k % n) as f32 - 8.0).abs()).collect();
-        let per_slope = DMat2::from_angle(0.3) * (0.45 * 128.0);
-        let target = SlopeTarget { side: 128, bin: 1.0, wanted: vec![], per_slope, middle: DVec2::splat(63.5) };
-        let bins = SlopeHistogram::new(&target);
+        let per_slope = DMat2::from_diagonal(DVec2::splat(0.45 * 128.0));
+        let (degrees, middle) = (DMat2::IDENTITY, DVec2::splat(63.5));
+        let target = SlopeTarget { side: 128, bin: 1.0, wanted: vec![], per_slope, degrees, middle };
+        let bins = AxisHistogram::new(&target);
         let concave = ConcaveEdges::new(lattice, Cutter::ball(2.0 * radius), 10.0);
         let edges = EdgeSlopes::new(lattice, &z);
         let light = LightModel::new(lattice, bins, 0.0, Some(concave)).forward(&edges);
         let share_near = |p: f64| {
-            let at = bins.place(p as f32, 0.0);
-            let near = |k: usize| ((k % 128) as f32 - at.x).hypot((k / 128) as f32 - at.y) < 1.9;
+            let [x, y] = [bins.x(p as f32), bins.y(0.0)].map(|at| at.bin as f32 + at.part);
+            let near = |k: usize| ((k % 128) as f32 - x).hypot((k / 128) as f32 - y) < 1.9;
             light.iter().enumerate().filter(|(k, _)| near(*k)).map(|(_, v)| f64::from(*v)).sum::<f64>()
         };
         // R Δs = 0.024 of the cell's 0.8 mm.

@@ -7,17 +7,35 @@
 
 use rayon::prelude::*;
 
+use crate::relief::height_grid::top_rises_more;
+
+use super::axis_histogram::{AlongRow, AxisHistogram, StripLight};
 use super::concave_edges::ConcaveEdges;
-use super::edge_slopes::{EdgeSlopes, Lattice, SquareEdges, added_bands};
-use super::slope_histogram::{Place, SlopeHistogram};
+use super::edge_slopes::{BANDS, EdgeRow, EdgeRowSums, EdgeSlopes, Lattice};
 
 /// The light of a lattice's triangles among the bins of a target.
 pub struct LightModel {
     lattice: Lattice,
-    bins: SlopeHistogram,
+    bins: AxisHistogram,
     /// Mass of each triangle along the higher diagonals, and along the lower ones.
     mass: [f32; 2],
     concave: Option<ConcaveEdges>,
+}
+
+/// Where the edges of a row of squares lie among the bins.
+#[derive(Default)]
+struct Places {
+    bottoms: AlongRow,
+    tops: AlongRow,
+    sides: AlongRow,
+}
+
+impl Places {
+    fn find(&mut self, bins: &AxisHistogram, row: &EdgeRow<'_>) {
+        bins.locate_row(0, row.p[0], &mut self.bottoms);
+        bins.locate_row(0, row.p[1], &mut self.tops);
+        bins.locate_row(1, row.q[0], &mut self.sides);
+    }
 }
 
 impl LightModel {
@@ -25,7 +43,7 @@ impl LightModel {
     ///
     /// A share `lower` of the light goes as if squares were cut along their lower diagonals: that of a surface whose
     /// squares may be cut either way (see `objective.rs`). With `concave`, a cutter rounds concave edges.
-    pub fn new(lattice: Lattice, bins: SlopeHistogram, lower: f64, concave: Option<ConcaveEdges>) -> Self {
+    pub fn new(lattice: Lattice, bins: AxisHistogram, lower: f64, concave: Option<ConcaveEdges>) -> Self {
         let mass = 0.5 / (lattice.n * lattice.n) as f64;
         Self { lattice, bins, mass: [(mass * (1.0 - lower)) as f32, (mass * lower) as f32], concave }
     }
@@ -34,51 +52,90 @@ impl LightModel {
     pub fn forward(&self, edges: &EdgeSlopes) -> Vec<f32> {
         let bins = &self.bins;
         let splat = |band: usize| {
-            let mut light = vec![0.0f32; bins.side * bins.side];
+            let mut to = bins.dark(self.concave.is_some());
+            let mut places = Places::default();
             for j in self.lattice.band(band) {
                 let row = edges.row(j);
-                for i in 0..self.lattice.n {
-                    for (mass, places) in self.triangles(row.square(i)).into_iter().filter(|(mass, _)| *mass > 0.0) {
-                        places.into_iter().for_each(|at| bins.splat(&mut light, at, mass));
-                    }
-                }
+                places.find(bins, &row);
+                self.splat_row(&row, &places, &mut to.light);
                 if let Some(concave) = &self.concave {
-                    concave.forward(&row, bins, &mut light);
+                    concave.forward(&row, bins, &mut to);
                 }
             }
-            light
+            to
         };
-        added_bands(bins.side * bins.side, splat)
+        // Added in their order whatever the threads.
+        let bands: Vec<StripLight> = (0..BANDS).into_par_iter().map(splat).collect();
+        let whole = bands.into_iter().reduce(|mut sum, band| {
+            sum.add(&band);
+            sum
+        });
+        whole.map_or_else(Vec::new, |whole| bins.gathered(whole))
+    }
+
+    fn splat_row(&self, row: &EdgeRow<'_>, places: &Places, light: &mut [f32]) {
+        let (bins, [higher, lower]) = (&self.bins, self.mass);
+        let n = self.lattice.n;
+        let [p0, p1] = row.p.map(|p| &p[..n]);
+        let mut left = places.sides.at(0);
+        for i in 0..n {
+            let (bottom, top, right) = (places.bottoms.at(i), places.tops.at(i), places.sides.at(i + 1));
+            let (with_bottom, with_top) = if top_rises_more(p0[i], p1[i]) { (right, left) } else { (left, right) };
+            bins.splat(light, bottom, with_bottom, higher);
+            bins.splat(light, top, with_top, higher);
+            if lower > 0.0 {
+                bins.splat(light, bottom, with_top, lower);
+                bins.splat(light, top, with_bottom, lower);
+            }
+            left = right;
+        }
     }
 
     /// The gradient with respect to the heights, per mm, of Σ `potential` · light + `weight` · penalty of the concave
     /// edges; and that penalty.
     pub fn adjoint(&self, edges: &EdgeSlopes, potential: &[f32], weight: f32) -> (Vec<f32>, f64) {
         let bins = &self.bins;
+        let along_strips = bins.potential(potential, self.concave.is_some());
         edges.adjoint(self.lattice, |_, row, sums| {
-            for i in 0..self.lattice.n {
-                let square = row.square(i);
-                // Of both cuts and of the lower and the upper triangle, with respect to p and q.
-                let mut gradients = [[[0.0; 2]; 2]; 2];
-                for (gradients, (mass, places)) in gradients.iter_mut().zip(self.triangles(square)) {
-                    if mass == 0.0 {
-                        continue;
-                    }
-                    for (gradient, at) in gradients.iter_mut().zip(places) {
-                        let (_, [x, y]) = bins.sample(potential, at);
-                        *gradient = bins.to_slope([mass * x, mass * y]);
-                    }
-                }
-                let [higher, lower] = gradients;
-                sums.p[0][i] += higher[0][0] + lower[0][0];
-                sums.p[1][i] += higher[1][0] + lower[1][0];
-                let (first, second) = (higher[0][1] + lower[1][1], higher[1][1] + lower[0][1]);
-                let (left, right) = if square.rises() { (second, first) } else { (first, second) };
-                sums.q[0][i] += left;
-                sums.q[0][i + 1] += right;
-            }
-            self.concave.as_ref().map_or(0.0, |concave| concave.adjoint(&row, bins, potential, weight, sums))
+            self.sample_row(&row, potential, sums);
+            self.concave.as_ref().map_or(0.0, |concave| concave.adjoint(&row, bins, &along_strips, weight, sums))
         })
+    }
+
+    fn sample_row(&self, row: &EdgeRow<'_>, potential: &[f32], sums: &mut EdgeRowSums<'_>) {
+        let (bins, n) = (&self.bins, self.lattice.n);
+        let [per_p, per_q] = bins.per_slope();
+        // Of each mass the gradient with respect to p and to q.
+        let [higher, lower] = self.mass.map(|mass| [mass * per_p, mass * per_q]);
+        let [p0, p1] = row.p.map(|p| &p[..n]);
+        let mut places = Places::default();
+        places.find(bins, row);
+        let [of_bottom, of_top] = &mut sums.p;
+        let of_side = &mut sums.q[0][..n + 1];
+        let mut left = places.sides.at(0);
+        for i in 0..n {
+            let (bottom, top, right) = (places.bottoms.at(i), places.tops.at(i), places.sides.at(i + 1));
+            let rises = top_rises_more(p0[i], p1[i]);
+            let (with_bottom, with_top) = if rises { (right, left) } else { (left, right) };
+            let (_, [bx, by]) = bins.sample(potential, bottom, with_bottom);
+            let (_, [tx, ty]) = bins.sample(potential, top, with_top);
+            let (mut at_bottom, mut at_top) = (higher[0] * bx, higher[0] * tx);
+            let (mut first, mut second) = (higher[1] * by, higher[1] * ty);
+            if lower[0] != 0.0 {
+                let (_, [bx, by]) = bins.sample(potential, bottom, with_top);
+                let (_, [tx, ty]) = bins.sample(potential, top, with_bottom);
+                at_bottom += lower[0] * bx;
+                at_top += lower[0] * tx;
+                second += lower[1] * by;
+                first += lower[1] * ty;
+            }
+            of_bottom[i] += at_bottom;
+            of_top[i] += at_top;
+            let (at_left, at_right) = if rises { (second, first) } else { (first, second) };
+            of_side[i] += at_left;
+            of_side[i + 1] += at_right;
+            left = right;
+        }
     }
 
     /// The penalty of a relief's concave edges: see [`ConcaveEdges`].
@@ -86,15 +143,6 @@ impl LightModel {
         let Some(concave) = &self.concave else { return 0.0 };
         let rows: Vec<f64> = (0..self.lattice.n).into_par_iter().map(|j| concave.penalty(&edges.row(j))).collect();
         rows.iter().sum()
-    }
-
-    /// Mass and places of a square's lower and upper triangle, cut along the higher diagonal and along the lower one.
-    #[inline]
-    fn triangles(&self, square: SquareEdges) -> [(f32, [Place; 2]); 2] {
-        let SquareEdges { bottom, top, left, right } = square;
-        let (with_bottom, with_top) = if square.rises() { (right, left) } else { (left, right) };
-        let places = |low: f32, up: f32| [self.bins.place(bottom, low), self.bins.place(top, up)];
-        [(self.mass[0], places(with_bottom, with_top)), (self.mass[1], places(with_top, with_bottom))]
     }
 }
 

@@ -60,6 +60,8 @@ pub mod detail;
 
 pub mod slope_histogram;
 
+pub mod axis_histogram;
+
 pub mod closing;
 
 pub mod resample;

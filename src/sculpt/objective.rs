@@ -17,6 +17,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::relief::periodic::PeriodicRelief;
 use crate::slope::Slope;
 
+use super::axis_histogram::AxisHistogram;
 use super::closing::{Closing, Contacts};
 use super::concave_edges::ConcaveEdges;
 use super::depth_limit::{DepthLimit, excess_depth};
@@ -24,7 +25,6 @@ use super::edge_slopes::{EdgeSlopes, Lattice};
 use super::light_model::LightModel;
 use super::periodic_filter::PeriodicFilter;
 use super::settings::SheetSettings;
-use super::slope_histogram::SlopeHistogram;
 use super::slope_loss::{LossScale, SlopeLoss};
 use super::target::SlopeTarget;
 use super::tool::{Tool, polished};
@@ -67,7 +67,7 @@ impl Objective {
             settings: *settings,
             tilt,
             loss: SlopeLoss::new(&target, scale),
-            light: LightModel::new(lattice, SlopeHistogram::new(&target), lower, concave),
+            light: LightModel::new(lattice, AxisHistogram::new(&target), lower, concave),
             target,
             closing: cutter.map(|cutter| Closing::new(lattice, cutter)),
             filter,
@@ -114,7 +114,7 @@ impl Objective {
         let milled = polished(milled, self.settings.polish);
         let fine = Lattice::of(&milled);
         // Milled heights are known at the tool's places only, and a square of them may be cut along either diagonal.
-        let light = LightModel::new(fine, SlopeHistogram::new(&self.target), 0.5, None);
+        let light = LightModel::new(fine, AxisHistogram::new(&self.target), 0.5, None);
         let edges = EdgeSlopes::new(fine, &milled.heights);
         progress.check()?;
         let milled = light.forward(&edges);

@@ -52,13 +52,6 @@ impl SlopeHistogram {
         self.per_slope.map(|[x, y]| 1.0 / x.abs().max(y.abs()))
     }
 
-    /// A gradient with respect to bins as one with respect to slopes.
-    #[inline]
-    pub(crate) fn to_slope(self, [x, y]: [f32; 2]) -> [f32; 2] {
-        let [[xp, yp], [xq, yq]] = self.per_slope;
-        [xp * x + yp * y, xq * x + yq * y]
-    }
-
     #[inline(always)]
     fn corner(&self, at: Place) -> (usize, f32, f32) {
         // In this order, a coordinate that is not a number becomes 0.

@@ -12,6 +12,8 @@
 
 use std::f64::consts::TAU;
 
+use glam::{DMat2, DVec2};
+
 use crate::fourier::{even_smooth_size, frequency};
 
 use super::periodic_filter::PeriodicFilter;
@@ -57,7 +59,8 @@ impl LossScale {
 /// The loss at one scale, over the bins of one target.
 pub(crate) struct SlopeLoss {
     side: usize,
-    bin: f64,
+    /// Degrees from a bin to the next along either axis.
+    degrees: DMat2,
     filter: PeriodicFilter,
     /// Ŵ.
     gains: Vec<f32>,
@@ -69,8 +72,8 @@ impl SlopeLoss {
     pub fn new(target: &SlopeTarget, scale: LossScale) -> Self {
         let padding = (PADDING / target.bin).ceil() as usize;
         let filter = PeriodicFilter::new(even_smooth_size(target.side + padding));
-        let gains = gains(&filter, target.bin, scale);
-        let mut loss = Self { side: target.side, bin: target.bin, filter, gains, dark_weight: None };
+        let gains = gains(&filter, target.degrees, scale);
+        let mut loss = Self { side: target.side, degrees: target.degrees, filter, gains, dark_weight: None };
         if scale.weighed {
             loss.dark_weight = Some(loss.dark_weight(&target.wanted));
         }
@@ -103,7 +106,7 @@ impl SlopeLoss {
     fn blur(&self, light: &mut [f32], blur: f64) {
         // The gain of a sum of squares is the square of a blur's.
         let squared = LossScale { blur: blur / 2f64.sqrt(), alpha: 0.0, weighed: false };
-        self.filter.filter(light, self.side, &gains(&self.filter, self.bin, squared));
+        self.filter.filter(light, self.side, &gains(&self.filter, self.degrees, squared));
     }
 
     /// See [`DARK`].
@@ -115,11 +118,13 @@ impl SlopeLoss {
     }
 }
 
-/// Ŵ over the waves of `filter`, whose grid has bins of `bin` degrees.
-fn gains(filter: &PeriodicFilter, bin: f64, scale: LossScale) -> Vec<f32> {
+/// Ŵ over the waves of `filter`, whose grid has bins `degrees` apart along either axis.
+fn gains(filter: &PeriodicFilter, degrees: DMat2, scale: LossScale) -> Vec<f32> {
     let side = filter.side();
+    // From waves over bins to waves over degrees.
+    let per_degree = degrees.inverse().transpose();
     filter.gains(|i, j| {
-        let k2 = (frequency(i, side).powi(2) + frequency(j, side).powi(2)) / (bin * bin);
+        let k2 = (per_degree * DVec2::new(frequency(i, side), frequency(j, side))).length_squared();
         (-k2 * scale.blur * scale.blur).exp() / (k2 + (TAU / WIDEST).powi(2)).powf(scale.alpha)
     })
 }

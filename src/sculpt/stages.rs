@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use crate::cutter::{Cutter, UnmodelledCutter};
-use crate::descent::{Descent, minimise};
+use crate::descent::{Descent, Past, minimise_on};
 use crate::distribution::SlopeDistribution;
 use crate::progress::{Cancelled, Progress, SheetSoFar};
 use crate::relief::periodic::PeriodicRelief;
@@ -232,6 +232,8 @@ impl<'a> Work<'a> {
         let parts = if with_tool { stage.steps.div_ceil(STEPS_PER_RESIDUAL) } else { 1 };
         let first_move = DESCENT_FIRST_MOVE * f64::from(largest);
         let settings = Descent { steps: stage.steps / parts, memory: MEMORY, tolerance: TOLERANCE, first_move };
+        // Between two updates only what is added to the light changes: what a part has learnt of curvature serves the next.
+        let mut past = Past::default();
         // What is cut short leaves `y` at the best so far.
         let cut_short = self.progress.until_finish();
         for part in 0..parts {
@@ -241,8 +243,9 @@ impl<'a> Work<'a> {
                 break;
             }
             let share = share.part(part, parts);
-            let descended = minimise(
+            let descended = minimise_on(
                 &mut y,
+                &mut past,
                 &settings,
                 |y, gradient| {
                     self.progress.offer_relief(|| self.so_far(lattice, objective.relief(y)));

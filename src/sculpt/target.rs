@@ -1,9 +1,10 @@
 //! The wanted slopes as a histogram on a plane whose unit is a degree of the highlight image.
 //!
 //! Where a slope's light falls in the image is nearly a linear function of the slope. The plane takes it as linear, with
-//! the derivative at the mean slope: a distance on it is the distance in degrees that is seen near the middle of the
-//! picture, and the slope of a triangle is placed by four multiplications. Pixels of the drawing are carried over by the
-//! exact map, in pieces smaller than a bin.
+//! the derivative at the mean slope. Its axes are p and q, each in degrees that are seen near the middle of the picture as it
+//! changes; where the light comes from aside and askew, p and q may move it in directions that are not perpendicular, and
+//! distances are reckoned with both ([`SlopeTarget::degrees`]). So a slope is placed by two multiplications. Pixels of the
+//! drawing are carried over by the exact map, in pieces smaller than a bin.
 
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ const MOST_BINS: usize = 640;
 /// A share of the plate that shall have one slope.
 #[derive(Clone, Copy, Debug)]
 struct WeightedSlope {
-    /// Where its light falls relative to that of the mean slope, degrees.
+    /// Its p and q relative to the mean slope, as degrees of the image.
     at: DVec2,
     mass: f64,
 }
@@ -35,6 +36,8 @@ pub struct SlopePlane {
     slopes: Vec<WeightedSlope>,
     /// Degrees per unit of slope.
     degrees: DMat2,
+    /// Degrees per unit of p, and of q.
+    scale: DVec2,
     /// Lower left corner of the histogram, degrees.
     low: DVec2,
     /// Side of the histogram, degrees.
@@ -51,6 +54,8 @@ pub struct SlopeTarget {
     pub wanted: Vec<f32>,
     /// Bins per unit of slope.
     pub per_slope: DMat2,
+    /// Degrees of the image from a bin to the next along either axis.
+    pub degrees: DMat2,
     /// Bin coordinates of the mean slope; bin k has its middle at k.
     pub middle: DVec2,
 }
@@ -70,6 +75,7 @@ impl SlopePlane {
         if !(determinant > 1e-6 && determinant.is_finite()) {
             return None;
         }
+        let scale = DVec2::new(degrees.x_axis.length(), degrees.y_axis.length());
         let Raster { width, height, ref values } = distribution.footprint;
         let pixel = 2.0 / (width.min(height) as f64 * per_degree);
         let pieces = ((pixel / finest).ceil() as usize).clamp(1, 64);
@@ -82,14 +88,14 @@ impl SlopePlane {
                 (0..pieces * pieces).filter_map(move |piece| {
                     let (x, y) = (column + piece % pieces, row + piece / pieces);
                     let slope = setup.slope_at(View::pixel_centre(x, y, width * pieces, height * pieces))?;
-                    Some(WeightedSlope { at: degrees * (slope.to_vec() - mean), mass: share * values[k] })
+                    Some(WeightedSlope { at: scale * (slope.to_vec() - mean), mass: share * values[k] })
                 })
             })
             .collect();
         let range = slopes.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |r, m| (r.0.min(m.at), r.1.max(m.at)));
         let extent = (range.1 - range.0).max_element() + 2.0 * MARGIN;
         let low = 0.5 * (range.0 + range.1) - 0.5 * extent;
-        (extent.is_finite() && low.is_finite()).then_some(Self { slopes, degrees, low, extent })
+        (extent.is_finite() && low.is_finite()).then_some(Self { slopes, degrees, scale, low, extent })
     }
 
     /// The target in bins `bin` degrees wide, or wider if they would be too many.
@@ -111,7 +117,8 @@ impl SlopePlane {
             side,
             bin,
             wanted: wanted.iter().map(|w| (w / total) as f32).collect(),
-            per_slope: self.degrees * (1.0 / bin),
+            per_slope: DMat2::from_diagonal(self.scale / bin),
+            degrees: self.degrees * DMat2::from_diagonal(bin / self.scale),
             middle: -self.low / bin,
         }
     }
@@ -123,14 +130,13 @@ impl SlopePlane {
 
     /// `n` slopes relative to the mean, of equal shares each, that have the target's distribution; in no particular order.
     pub fn samples(&self, n: usize) -> Vec<DVec2> {
-        let back = self.degrees.inverse();
         let total: f64 = self.slopes.iter().map(|m| m.mass).sum();
         let (mut mass, mut next) = (0.0, 0);
         let mut samples = Vec::with_capacity(n);
         for slope in &self.slopes {
             mass += slope.mass / total;
             while next < n && (next as f64 + 0.5) / (n as f64) <= mass {
-                samples.push(back * slope.at);
+                samples.push(slope.at / self.scale);
                 next += 1;
             }
         }
@@ -141,9 +147,8 @@ impl SlopePlane {
 
     /// Root of the mean square of the slopes about their mean, along x and y.
     pub fn spread(&self) -> DVec2 {
-        let back = self.degrees.inverse();
         let (sum, mass) = self.slopes.iter().fold((DVec2::ZERO, 0.0), |(sum, mass), slope| {
-            let s = back * slope.at;
+            let s = slope.at / self.scale;
             (sum + slope.mass * s * s, mass + slope.mass)
         });
         let mean = sum / mass;

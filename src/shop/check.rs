@@ -120,6 +120,28 @@ pub struct Judgement {
 }
 
 impl What {
+    /// The worse, the lower: what breaks things, what spoils the plate, what stops the machine.
+    pub const fn rank(&self) -> u8 {
+        match self {
+            Self::RapidInMaterial => 0,
+            Self::BelowFloor => 1,
+            Self::Gouge => 2,
+            Self::OutOfStock => 3,
+            Self::BeyondFlutes => 4,
+            Self::SpindleStands => 5,
+            Self::Broken => 6,
+            Self::Unread(_) => 7,
+            Self::Blind => 8,
+            Self::Standing => 9,
+            Self::LineRate(_) => 10,
+        }
+    }
+
+    /// Whether it is about the surface that is left.
+    pub const fn is_of_the_surface(&self) -> bool {
+        matches!(self, Self::Gouge | Self::Standing)
+    }
+
     /// A name for programs, which stays the same.
     pub const fn id(&self) -> &'static str {
         match self {

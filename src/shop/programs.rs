@@ -255,6 +255,8 @@ impl Shop {
             )),
             Part::Roughing => {
                 let Roughing { stepover, step, allowance, .. } = self.roughing;
+                // To a tenth of a micrometre, without the digits that a sum of decimals leaves.
+                let [stepover, step, allowance] = [stepover, step, allowance].map(|mm| (1e4 * mm).round() / 1e4);
                 heading.push(format!(
                     "Levels up to {step} mm deep, passes {stepover} mm apart; leaves {allowance} mm over the optical area"
                 ));

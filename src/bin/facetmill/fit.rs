@@ -86,6 +86,9 @@ fn numbers(fit: &FitFacts) -> Vec<crate::tables::Row> {
 
 /// What of the data is read, and as what.
 fn data(path: &Path) -> Result<(GoalFile, PathBuf), Failure> {
+    if !path.exists() {
+        return Err(Failure::Input(format!("{}: there is no such file or folder", path.display())));
+    }
     if path.is_dir() {
         return Ok((GoalFile::Csv, path.join("brdf.csv")));
     }

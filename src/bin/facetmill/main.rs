@@ -6,6 +6,10 @@ mod files;
 
 mod wrapping;
 
+mod rows;
+
+mod wall_tables;
+
 mod tables;
 
 mod values;
@@ -39,6 +43,8 @@ mod fit;
 mod machining;
 
 mod astray;
+
+mod in_room;
 
 mod verify;
 

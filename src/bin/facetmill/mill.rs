@@ -57,6 +57,7 @@ pub fn run(args: &MillArgs, run: &Run) -> Result<(), Failure> {
 fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     let plate = args.the_plate();
     inputs::given([Some(plate), None])?;
+    inputs::given([Some(plate), None])?;
     let Named { stl, mut recipe, mount } = plates::named(plate)?;
     let machining = asked(args, &mut recipe)?;
     let read = inputs::given([Some(plate), None])?;
@@ -96,7 +97,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     progress.stage(Stage::Files);
     let mut report = MillReport::new(opened.facts.clone(), &shop, &files, advice);
     report.as_made = made.as_ref().map(MadeProof::facts);
-    report.light = made.as_ref().map(|made| in_a_sentence(&made.verdict, &made.how()));
+    report.light = made.as_ref().map(|made| in_a_sentence(&made.verdict, &format!("As {}", made.how())));
     let picture = match (&made, drawn) {
         (Some(made), Ok(drawn)) => Some(picture(made, drawn, (&recipe, &shop), &progress)?),
         _ => None,

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use facetmill::milling::polish::in_words;
 use facetmill::report::mill::{CheckReport, MillReport, ProgramFacts, ReadFacts};
 use facetmill::shop::programs::duration;
 
@@ -63,12 +64,22 @@ pub fn check_in_short(report: &CheckReport) -> Vec<Row> {
         read.troubles.iter().take(FINDINGS).map(|trouble| told(trouble.kind, trouble.sentence.clone())).collect();
     if let Some(surface) = surface {
         let (mean, most, line) = (surface.left_mean_um, surface.left_most_um, surface.left_most_line);
-        rows.push(told(
-            "surface",
-            format!("{mean:.2} µm left standing on the mean, {most:.2} µm at the most (line {line})"),
-        ));
+        let on_mean = match mean < 0.0 {
+            true => format!("{:.2} µm too deep on the mean", -mean),
+            false => format!("{mean:.2} µm left standing on the mean"),
+        };
+        rows.push(told("surface", format!("{on_mean}, {most:.2} µm at the most (line {line})")));
     }
     rows.extend(report.light.as_ref().map(light));
+    let [x, y, z] = report.zero_mm;
+    rows.push(told(
+        "judged as",
+        format!(
+            "cut by {}, {}, zero at {x}, {y}, {z} mm; its light without play or scatter",
+            report.cutter,
+            in_words(report.polish_mm)
+        ),
+    ));
     rows.push(told(
         "time",
         format!("{} on {}, {} lines", duration(3600.0 * read.hours), report.machine.name, read.lines),

@@ -22,7 +22,7 @@ use facetmill::recipe::Recipe;
 use facetmill::report::mill::{CheckReport, ReadFacts, SurfaceFacts};
 use facetmill::report::{PROGRAM, text};
 use facetmill::shop::blank::Blank;
-use facetmill::shop::check::{Against, Judgement, What, judged, said_of_itself, trouble};
+use facetmill::shop::check::{Against, Judgement, Trouble, What, judged, said_of_itself, trouble};
 use facetmill::shop::surface::{Left, Wanted, strokes};
 
 use crate::args::MillArgs;
@@ -33,6 +33,9 @@ use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
 use crate::stages::Stages;
 use crate::{drawn, inputs, machining, mill_tables, plates};
+
+/// What numbers of few decimals are off by, mm: half of the last of four of an inch, in x, y and z, and some slack.
+const ROUNDED: f64 = 0.004;
 
 /// What is known of the program before it is judged.
 struct Given {
@@ -84,8 +87,10 @@ pub fn run(args: &MillArgs, file: &Path, run: &Run) -> Result<(), Failure> {
     let program = read(&given.bytes, given.dialect).map_err(|error| Failure::Input(format!("{name}: {error}")))?;
     let drawing = Drawing { recipe: &mut recipe, mount, limit, folder: against };
     let found = found(args, &given, program, (&opened, margin), drawing, &progress)?;
-    progress.stage(Stage::Files);
-    let report = report(file, &given, &opened, &found);
+    if staged.is_some() {
+        progress.stage(Stage::Files);
+    }
+    let report = report((file, args.zero), &given, &opened, &found);
     if let Some(staged) = &mut staged {
         if let Some((proof, drawn)) = &found.light {
             write_pictures(staged, (proof, drawn), (&recipe, &report.verdict), &progress)?;
@@ -190,12 +195,30 @@ fn found(
             ));
         }
         left = Some(surface);
+        advice.extend(rounding(&judgement, args.tolerance));
         light = lit(&swept, (plate, -origin.z), given.polish, drawing, (&mut advice, progress))?;
     } else {
         advice.push("It cuts nothing: all of it is above the stock.".into());
     }
+    judgement.troubles.sort_by_key(|trouble| trouble.what.rank());
     judgement.troubles.iter_mut().filter_map(|trouble| trouble.place.as_mut()).for_each(|place| *place -= zero);
     Ok(Found { judgement, left, light, advice })
+}
+
+/// What a program of coarse decimals is off by everywhere, in a sentence: finer than anybody would cut for, if it is alone.
+fn rounding(judgement: &Judgement, tolerance: f64) -> Option<String> {
+    let off = |trouble: &Trouble| matches!(trouble.what, What::Gouge | What::Standing) && trouble.by < ROUNDED;
+    let most = judgement.troubles.iter().filter(|trouble| off(trouble)).map(|trouble| 1000.0 * trouble.by);
+    let most = most.fold(0.0, f64::max);
+    (most > 0.0 && judgement.troubles.iter().all(|trouble| off(trouble) || !trouble.what.is_of_the_surface())).then(
+        || {
+            format!(
+                "It is off by {most:.1} µm at the most, as numbers of few decimals are (four of an inch: 2.5 µm); \
+             --tolerance {:.0} in place of {tolerance} lets that pass.",
+                (most + 0.5).ceil()
+            )
+        },
+    )
 }
 
 /// The light of the surface, if the plate's drawing is known.
@@ -225,7 +248,7 @@ fn lit(
     }
 }
 
-fn report(file: &Path, given: &Given, opened: &Opened, found: &Found) -> CheckReport {
+fn report((file, zero): (&Path, Option<[f64; 3]>), given: &Given, opened: &Opened, found: &Found) -> CheckReport {
     let Found { judgement, left, light, advice } = found;
     let name = plates::name(file);
     let polish = in_words(given.polish);
@@ -243,6 +266,7 @@ fn report(file: &Path, given: &Given, opened: &Opened, found: &Found) -> CheckRe
         dialect: given.dialect.map(|dialect| dialect.to_string()),
         machine: given.machine.clone(),
         read: ReadFacts::from(judgement),
+        zero_mm: zero.unwrap_or_default(),
         surface: left.as_ref().map(SurfaceFacts::from),
         polish_mm: given.polish,
         light: light.as_ref().map(|(proof, ..)| (&proof.verdict).into()),

@@ -10,32 +10,22 @@ use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
 use facetmill::report::goal::{GoalFacts, GoalSlice};
 use facetmill::report::made::{MachiningFacts, MadeFacts};
-use facetmill::report::on_wall::{OnWallFacts, WallScores};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{MeshFacts, Named};
 use facetmill::sharpen::SCORED_AT;
 use facetmill::verify::verdict::{BLURS, MAIN_BLUR};
 
-/// Name, value and meaning of a figure.
-pub type Row = [String; 3];
-
-/// A row of a table.
-pub fn row(name: &str, value: impl Into<String>, meaning: impl Into<String>) -> Row {
-    [name.to_owned(), value.into(), meaning.into()]
-}
-
-/// A share in percent with two decimals. What rounds to nothing is nothing, without a sign.
-pub fn percent(share: f64) -> String {
-    format!("{:.2} %", (1e4 * share).round() / 100.0 + 0.0)
-}
+pub use crate::rows::{Row, percent, row, told};
+use crate::wall_tables::{on_wall, on_wall_in_short};
 
 /// A design that was written into `folder`, in five lines.
 pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     let PlateFacts { mount, relief_height_mm, .. } = &report.design;
     let [width, height] = report.recipe.plate.size;
     let stock = report.stl.z_high_mm - report.stl.z_base_mm;
-    let mounted = match mount.theta > 0.0 {
+    // What shows as 0.00° is level.
+    let mounted = match mount.theta >= 0.005 {
         true => format!("; mounted tilted by {:.2}° toward azimuth {:.1}°", mount.theta, mount.phi),
         false => String::new(),
     };
@@ -49,6 +39,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
     rows.extend(scored.map(|(scores, _)| light(scores)));
     rows.extend(report.as_made.as_ref().map(made_in_short));
+    rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
     rows.extend(report.goal.iter().filter_map(|goal| goal.verdict.clone()).map(|verdict| told("goal", verdict)));
     rows.push(told("file", file(folder, report)));
     let picture = scored.map_or("relief.png", |(_, picture)| picture);
@@ -105,17 +96,14 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
         Some(folder) => format!("at {} first; --verbose tells more", shown(&folder.join(picture))),
         None => "with -o DIR there are pictures; --verbose tells more".into(),
     };
-    vec![
+    let mut rows = vec![
         told("plate", format!("{width:.2} × {height:.2} mm of {triangles} triangles, relief {relief_height_mm:.3} mm")),
         light(scored),
         told("lost", lost),
-        told("look", look),
-    ]
-}
-
-/// A line without a figure of its own.
-pub fn told(name: &str, what: String) -> Row {
-    row(name, "", what)
+    ];
+    rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
+    rows.push(told("look", look));
+    rows
 }
 
 /// A goal and the plate beside it.
@@ -261,62 +249,6 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
     if let Some(share) = report.least_stray_share {
         let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";
         table.push(row("straying", percent(share), meaning));
-    }
-    table
-}
-
-/// A plate in its room.
-fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
-    let metres = |mm: f64| format!("{:.2} m", 1e-3 * mm);
-    let figure = |scores: &WallScores, name: &str| scores.tv_incident.get(name).unwrap_or(f64::NAN);
-    let likeness = |scores: &WallScores| scores.ssim.get("eye").unwrap_or(f64::NAN);
-    let mut table = vec![
-        row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
-        row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
-    ];
-    let mut scores = |name: &str, scores: &WallScores| {
-        let eye = percent(figure(scores, "eye"));
-        let meaning = format!(
-            "misplaced on the wall at a blur of 0.5°; {eye} to an eye {} away, likeness {:.3}",
-            metres(facts.eye_distance_mm),
-            likeness(scores)
-        );
-        table.push(row(name, percent(figure(scores, "0.5deg")), meaning));
-    };
-    scores("on the wall", &facts.designed);
-    facts.as_milled.iter().for_each(|milled| scores("  as milled", milled));
-    table.push(row("grain", percent(facts.designed.grain), "of the drawing's light, seen by that eye and not at 0.5°"));
-    if let (Some([nearest, farthest]), Some(limit)) = (facts.in_focus_mm, facts.in_focus_tv) {
-        let ends = match (nearest.map(metres), farthest.map(metres)) {
-            (Some(near), Some(far)) => format!("{near} to {far}"),
-            (Some(near), None) => format!("{near} or more"),
-            (None, Some(far)) => format!("up to {far}"),
-            (None, None) => "anywhere".into(),
-        };
-        let meaning = format!("where the wall may stand, the lamp as it is: up to {} misplaced", percent(limit));
-        table.push(row("in focus", ends, meaning));
-    }
-    if let Some(sun) = &facts.under_sun {
-        let meaning = format!("the wall that is sharp under the sun; {} misplaced there", percent(sun.tv));
-        table.push(row("under the sun", metres(sun.wall_mm), meaning));
-    }
-    if let Some(cells) = &facts.cells_tv {
-        let meaning = format!("misplaced by the worst cell alone, {} on average", percent(cells.mean));
-        table.push(row("one cell", percent(cells.largest), meaning));
-    }
-    if let Some(patch) = &facts.diffraction {
-        let meaning = format!(
-            "the smallest patches that count; they spread light over {:.1} mm: likeness {:.3} to that eye if all did",
-            patch.its_spread_mm, patch.ssim_eye_if_all_spread
-        );
-        table.push(row("diffraction", format!("{:.3} mm", patch.smallest_patch_mm), meaning));
-    }
-    if let Some(miss) = facts.mirror_miss_mm.filter(|miss| *miss > 1.0) {
-        table.push(row(
-            "mirror point",
-            format!("{miss:.0} mm"),
-            "beside the picture's middle: tilt the plate to spare relief",
-        ));
     }
     table
 }

@@ -42,7 +42,8 @@ pub fn answer(error: &clap::Error) -> u8 {
 }
 
 /// Words that people try, and the flag that does it.
-const MEANT: [(&str, &str); 13] = [
+const MEANT: [(&str, &str); 14] = [
+    ("--for-cutter", "--cutter"),
     ("--shape", "--surface"),
     ("--shape", "--wrap"),
     ("--cutter", "--for-cutter"),

@@ -7,20 +7,17 @@ use facetmill::export::stl::write_stl;
 use facetmill::highlight::scored_target;
 use facetmill::job::design::DesignError;
 use facetmill::job::findings::{MadeProof, MilledProof, Proof, RimProof};
-use facetmill::job::on_wall::{RoomProof, rim_proof};
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::send_over_milled_mesh;
 use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
 use facetmill::memory::Need;
 use facetmill::picture::Picture;
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::raster::Raster;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::relief::open::OpenRelief;
 use facetmill::report::design::MilledFacts;
 use facetmill::report::verify::{Allowed, VerifyReport};
 use facetmill::report::{PROGRAM, PictureFacts, text};
-use facetmill::scene::Scene;
 use facetmill::setup::Setup;
 use facetmill::slope::direction;
 use facetmill::verify::experiment::Measuring;
@@ -34,6 +31,7 @@ use crate::args::VerifyArgs;
 use crate::astray::astray;
 use crate::console::{Failure, Table, tell};
 use crate::files::{Place, Staged};
+use crate::in_room::{in_its_scene, in_room};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
 use crate::stages::Stages;
@@ -48,13 +46,14 @@ const ASTRAY: f64 = 0.5;
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([Some(&args.plate), None])?;
     let Named { stl, mut recipe, mount } = plates::named(&args.plate)?;
+    let designed_for = recipe.scene;
     args.settings.apply(&mut recipe);
     let path = drawing(args, &recipe)?;
     recipe.name_picture(&path);
     machining::named(&args.machining.by, &mut recipe)?;
     // Its cutter need not be the recipe's: what is wrong with it is told by itself.
     let making = std::mem::take(&mut recipe.machining);
-    let mut recipe = in_its_scene(args, recipe)?;
+    let mut recipe = in_its_scene(args, recipe, &designed_for)?;
     // A pose that cannot be is told before anything is read.
     mounted(recipe.setup(), args.mount)?;
     if args.settings.has("as-made-stl") && args.output.is_none() {
@@ -93,7 +92,9 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     if let Some(task) = task {
         proof.made = Some(task.done((&recipe, &opened, margin), (&proof, &setup), &progress)?);
     }
-    progress.stage(Stage::Files);
+    if staged.is_some() {
+        progress.stage(Stage::Files);
+    }
     let report = report(args, &recipe, &opened, &proof, (&picture, &path, &setup, margin));
     if let Some(staged) = &mut staged {
         let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| making.as_made_stl);
@@ -141,24 +142,6 @@ fn report(
         verdict: one_sentence(args, recipe, proof),
         advice: advice(args, recipe, opened, proof, (picture, setup)),
     }
-}
-
-/// The recipe in the scene that the flags say, if lamp and plate can stand so.
-fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe) -> Result<Recipe, Failure> {
-    if let Some(file) = &args.scene {
-        recipe.scene.room = Some(inputs::room(file)?);
-    }
-    let recipe = args.settings.implied(recipe).map_err(Failure::Usage)?;
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
-    if recipe.is_near() && args.mount.is_some() {
-        return Err(Failure::Usage(
-            "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),
-        ));
-    }
-    Ok(recipe)
 }
 
 /// Whether no more light is misplaced than was allowed, if a limit was given.
@@ -210,31 +193,6 @@ fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
     })
 }
 
-/// The proof of a plate in its room.
-fn in_room(
-    recipe: &mut Recipe,
-    scene: &Scene,
-    opened: &Opened,
-    light: &Raster,
-    margin: f64,
-    mirrored: Mirrored,
-) -> Result<Proof, Failure> {
-    recipe.plate.size = (opened.size.truncate() - 2.0 * margin).to_array();
-    let room = RoomProof { recipe, light, scene, mirrored };
-    let plate = opened.bare.as_ref().unwrap_or(&opened.plate);
-    let (thrown, elsewhere) = (plate.run(room.throwing()), plate.run(room.elsewhere()));
-    let rim = match &thrown {
-        Some(thrown) if margin > 0.0 => {
-            let light = opened.plate.run(OverRim { mirrored, width: margin, scene: Some(scene) })?;
-            Some(rim_proof(light, thrown, BorderFinish::Matt))
-        }
-        _ => None,
-    };
-    let (measurement, verdict, designed) = room.judged(thrown, None)?;
-    let (target, wall) = (room.target(measurement.whole.image.width), room.wall_proof(designed, elsewhere));
-    Ok(Proof { target, measurement, verdict, sheet: None, milled: None, made: None, rim, wall })
-}
-
 /// The setup with the plate mounted at the angles that were given, degrees.
 fn mounted(setup: Setup, mount: Option<[f64; 2]>) -> Result<Setup, Failure> {
     let Some([theta, phi]) = mount else { return Ok(setup) };
@@ -273,7 +231,7 @@ fn proof(
             // Nobody knows of a file where its cells end.
             recipe.plate.cells = Some(1.into());
         }
-        return in_room(recipe, &scene, opened, &picture.light, margin, mirrored);
+        return in_room(recipe, &scene, opened, (&picture.light, margin), mirrored);
     }
     let target = scored_target(&picture.light, recipe.highlight.quantity, setup, measuring.resolution);
     let measurement = opened.plate.run(mirrored).map_err(unlit)?;

@@ -176,7 +176,7 @@ impl FromStr for Named {
 fn term(text: &str) -> Result<Term, NamedError> {
     let mut parts = text.trim().split(':');
     let name = parts.next().unwrap_or_default();
-    let kind = Kind::named(name).ok_or_else(|| NamedError::Unknown(name.to_owned()))?;
+    let kind = Kind::named(&name.to_lowercase()).ok_or_else(|| NamedError::Unknown(name.to_owned()))?;
     let numbers = parts.next().unwrap_or_default();
     let numbers = match numbers.is_empty() {
         true => Vec::new(),

@@ -2,13 +2,20 @@ use glam::{DMat2, DVec2};
 
 use super::*;
 use crate::cutter::Cutter;
+use crate::sculpt::axis_histogram::Along;
 use crate::sculpt::target::SlopeTarget;
 
-/// Bins over slopes from -1 to 1, turned a little.
-fn bins(side: usize) -> SlopeHistogram {
+/// Bins over slopes from -1 to 1, more of them to a slope along one axis, and backward along the other.
+fn bins(side: usize) -> AxisHistogram {
     let middle = DVec2::splat(0.5 * (side - 1) as f64);
-    let per_slope = DMat2::from_angle(0.3) * (0.45 * side as f64);
-    SlopeHistogram::new(&SlopeTarget { side, bin: 1.0, wanted: vec![0.0; side * side], per_slope, middle })
+    let per_slope = DMat2::from_diagonal(DVec2::new(0.45, -0.4) * side as f64);
+    let wanted = vec![0.0; side * side];
+    AxisHistogram::new(&SlopeTarget { side, bin: 1.0, wanted, per_slope, degrees: DMat2::IDENTITY, middle })
+}
+
+/// A coordinate in bins.
+fn coordinate(along: Along) -> f64 {
+    along.bin as f64 + f64::from(along.part)
 }
 
 fn uneven(n: usize, height: f32) -> Vec<f32> {
@@ -43,8 +50,8 @@ fn ridges_either_way_up_have_no_light_but_that_of_their_flanks() {
         let light = LightModel::new(lattice, bins(64), 0.0, None).forward(&EdgeSlopes::new(lattice, &z));
         let flank = if falls { [(0.3, 0.3), (-0.3, -0.3)] } else { [(0.3, -0.3), (-0.3, 0.3)] };
         for (p, q) in flank {
-            let at = bins(64).place(p, q);
-            let near = |k: usize| ((k % 64) as f32 - at.x).abs().max(((k / 64) as f32 - at.y).abs()) < 1.0;
+            let (x, y) = (coordinate(bins(64).x(p)), coordinate(bins(64).y(q)));
+            let near = |k: usize| ((k % 64) as f64 - x).abs().max(((k / 64) as f64 - y).abs()) < 1.0;
             let share: f32 = light.iter().enumerate().filter(|(k, _)| near(*k)).map(|(_, v)| v).sum();
             // The valley opposite the ridge runs along diagonals too, and is cut across: half of its squares.
             assert!(share > 0.43, "{falls}: {share}");
@@ -82,12 +89,13 @@ fn tangent(lattice: Lattice, z: &[f32], direction: &[f64], model: Model) -> Vec<
     };
     let p = |i: usize, j: usize| slope(index(i, j), index(i + 1, j), lattice.step.x);
     let q = |i: usize, j: usize| slope(index(i, j), index(i, j + 1), lattice.step.y);
+    let per_slope = bins.per_slope().map(f64::from);
     let mut light = vec![0.0; side * side];
+    let mut strips = vec![0.0; side * side];
     let mut splat = |p: Moving, q: Moving, mass: f64, mass_change: f64| {
-        let at = bins.place(p.at as f32, q.at as f32);
-        let [right, up] = [[1.0, 0.0], [0.0, 1.0]].map(|axis| bins.to_slope(axis).map(f64::from));
-        let change = [right, up].map(|axis| axis[0] * p.change + axis[1] * q.change);
-        for (bin, weight, grows) in bilinear(side, (at.x.into(), at.y.into()), (change[0], change[1])) {
+        let at = (coordinate(bins.x(p.at as f32)), coordinate(bins.y(q.at as f32)));
+        let change = (per_slope[0] * p.change, per_slope[1] * q.change);
+        for (bin, weight, grows) in bilinear(side, at, change) {
             light[bin] += mass * grows + mass_change * weight;
         }
     };
@@ -106,28 +114,37 @@ fn tangent(lattice: Lattice, z: &[f32], direction: &[f64], model: Model) -> Vec<
         let across_y = (least(left, right), most(q(i, j + 1), q(i + 1, j + 1)), top);
         for (axis, (from, to, along)) in [across_x, across_y].into_iter().enumerate() {
             let jump = to.at - from.at;
-            if jump <= f64::from(bins.slope_per_bin()[axis]) {
+            if jump * per_slope[axis].abs() <= 1.0 {
                 continue;
             }
             let share = radius / lattice.step[axis] / (n * n) as f64;
             let (mass, mass_change) = (share * jump, share * (to.change - from.change));
-            let ends = [from, to].map(|s| {
-                if axis == 0 {
-                    bins.place(s.at as f32, along.at as f32)
-                } else {
-                    bins.place(along.at as f32, s.at as f32)
-                }
-            });
-            let (pieces, points) = bins.points_between(ends[0], ends[1]);
-            let strip = points.map(|(t, _)| (f64::from(t), 1.0 / pieces as f64));
-            for (t, part) in strip.chain([(0.0, -0.5), (1.0, -0.5)]) {
-                let mix = |a: f64, b: f64| a + t * (b - a);
-                let across = Moving { at: mix(from.at, to.at), change: mix(from.change, to.change) };
-                let (p, q) = if axis == 0 { (across, along) } else { (along, across) };
-                splat(p, q, part * mass, part * mass_change);
+            for end in [from, to] {
+                let (p, q) = if axis == 0 { (end, along) } else { (along, end) };
+                splat(p, q, -0.5 * mass, -0.5 * mass_change);
+            }
+            // Bin by bin, the integral of its hat from end to end, and how that changes as the ends move.
+            let place = |s: Moving, axis: usize| {
+                let at = if axis == 0 { bins.x(s.at as f32) } else { bins.y(s.at as f32) };
+                (coordinate(at), per_slope[axis] * s.change)
+            };
+            let ((a, da), (b, db), (y, dy)) = (place(from, axis), place(to, axis), place(along, 1 - axis));
+            let density = share / per_slope[axis];
+            for (on, aside) in (0..side * side).map(|k| (k % side, k / side)) {
+                let (u, v, w) = (a - on as f64, b - on as f64, y - aside as f64);
+                let hat = |x: f64| (1.0 - x.abs()).max(0.0);
+                let integral = |x: f64| {
+                    let x = x.clamp(-1.0, 1.0);
+                    if x < 0.0 { 0.5 * (1.0 + x) * (1.0 + x) } else { 1.0 - 0.5 * (1.0 - x) * (1.0 - x) }
+                };
+                let slope = if w.abs() < 1.0 { -w.signum() } else { 0.0 };
+                let length = hat(v) * db - hat(u) * da;
+                let change = density * (length * hat(w) + (integral(v) - integral(u)) * slope * dy);
+                strips[if axis == 0 { aside * side + on } else { on * side + aside }] += change;
             }
         }
     }
+    light.iter_mut().zip(&strips).for_each(|(light, strip)| *light += strip);
     light
 }
 

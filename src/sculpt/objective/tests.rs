@@ -22,8 +22,10 @@ fn target(bin: f64) -> SlopeTarget {
     let ring = |k: usize| if (4.0..10.0).contains(&at(k).length()) { 1.0 } else { 0.0 };
     let wanted: Vec<f32> = (0..side * side).map(ring).collect();
     let sum: f32 = wanted.iter().sum();
-    let per_slope = DMat2::from_angle(0.3) * (115.0 / bin);
-    SlopeTarget { side, bin, wanted: wanted.iter().map(|w| w / sum).collect(), per_slope, middle }
+    let per_slope = DMat2::from_diagonal(DVec2::new(115.0, 100.0) / bin);
+    // Askew, as where the light comes from aside.
+    let degrees = DMat2::from_cols(DVec2::new(bin, 0.0), DVec2::new(0.2 * bin, 0.98 * bin));
+    SlopeTarget { side, bin, wanted: wanted.iter().map(|w| w / sum).collect(), per_slope, degrees, middle }
 }
 
 /// Unknowns of a relief of two waves and some noise, slopes up to about 0.1.
@@ -147,7 +149,7 @@ fn a_tool_residual_makes_the_models_light_that_of_the_milled_relief() {
         .unwrap()
         .relief;
     let fine = Lattice::of(&milled);
-    let light = LightModel::new(fine, SlopeHistogram::new(&objective.target), 0.5, None);
+    let light = LightModel::new(fine, AxisHistogram::new(&objective.target), 0.5, None);
     let mut difference = light.forward(&EdgeSlopes::new(fine, &milled.heights));
     difference.iter_mut().zip(&objective.target.wanted).for_each(|(d, w)| *d -= w);
     let expected = objective.loss.total_variation(difference, 0.5);

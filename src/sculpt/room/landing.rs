@@ -84,7 +84,8 @@ pub fn wanted(scene: &Scene, flux: &Raster, mean: Slope, bin: f64) -> Option<(Sl
     let wanted = light.par_iter().map(|w| (w / total) as f32).collect();
     let per_slope: DMat2 = scene.jacobian(DVec3::ZERO, mean)? * per_uv;
     let middle = (scene.thrown(DVec3::ZERO, mean)? - low) * per_uv;
-    let target = SlopeTarget { side, bin, wanted, per_slope, middle };
+    let degrees = DMat2::from_diagonal(DVec2::splat(bin));
+    let target = SlopeTarget { side, bin, wanted, per_slope, degrees, middle };
     let landing = Landing::new(scene, &view, SlopeHistogram::new(&target), per_uv, low);
     Some((target, landing))
 }

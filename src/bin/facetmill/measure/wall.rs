@@ -52,11 +52,8 @@ pub fn measure(
     let scene = bench.scene.as_ref();
     let usual = scene.and_then(|scene| scene.wall()).map_or_else(WallSettings::default, |wall| (*wall).into());
     let wall_distance = args.wall.unwrap_or(usual.wall_distance);
-    let lamp_distance = scene.map_or(args.lamp_distance.unwrap_or(f64::INFINITY), Scene::lamp_distance);
-    let lamp_radius = match scene.map(Scene::lamp) {
-        Some(Lamp::Ball { radius, .. }) => *radius,
-        _ => args.lamp_radius.unwrap_or(0.0),
-    };
+    let (ball, notes) = ball(args, bench);
+    let (lamp_distance, lamp_radius) = ball.unwrap_or((f64::INFINITY, 0.0));
     // The whole highlight, what the plate's own size adds, and a rim.
     let reach = bench.recipe.highlight.half_field.reach().min(80.0).to_radians().tan();
     let spread = 0.5 * bench.opened.size.truncate().max_element() * (1.0 + wall_distance / lamp_distance);
@@ -65,7 +62,7 @@ pub fn measure(
     let wall_tilt = args.wall_tilt.unwrap_or(usual.wall_tilt);
     let settings = WallSettings { wall_distance, wall_tilt, half_width, ..usual };
     progress.stage(Stage::Wall);
-    let ball = args.lamp_distance.map(|distance| (distance, lamp_radius));
+    let ball = ball.filter(|_| scene.is_none());
     let image = bench.plate.run(WallTask { bench, scene, ball, settings, progress }).map_err(refused)?;
     progress.stage(Stage::Files);
     let mirrored = bench.recipe.highlight.seen == Seen::OnWall;
@@ -100,7 +97,26 @@ pub fn measure(
         rays: image.measurement.whole.rays,
     });
     let rows = rows(wall_distance, &image);
-    Ok(Outcome { measured, rows, notes: Vec::new(), look_at: "wall.png" })
+    Ok(Outcome { measured, rows, notes, look_at: "wall.png" })
+}
+
+/// Distance and radius of a lamp nearby, mm, and what is to be said of it: as given, else the design's own.
+fn ball(args: &MeasureArgs, bench: &Bench) -> (Option<(f64, f64)>, Vec<String>) {
+    let own = match bench.recipe.scene() {
+        Ok(Some(scene)) => match scene.lamp() {
+            Lamp::Ball { middle, radius } => Some((middle.length(), *radius)),
+            _ => None,
+        },
+        _ => None,
+    };
+    if let Some(distance) = args.lamp_distance {
+        return (Some((distance, args.lamp_radius.unwrap_or_default())), Vec::new());
+    }
+    let other = args.lamp.is_some() || ["light", "light-radius"].iter().any(|name| args.settings.has(name));
+    let note = own.filter(|_| other).map(|(distance, _)| {
+        format!("The design's lamp {distance:.0} mm away is left out for the one that was named: --lamp-distance puts that near.")
+    });
+    (own.filter(|_| !other), note.into_iter().collect())
 }
 
 /// What a person is told of a wall `wall_distance` mm away.
