@@ -15,6 +15,8 @@ pub mod ply;
 #[cfg(feature = "meshes")]
 pub mod three_mf;
 
+pub mod step;
+
 pub mod mesh_files;
 
 pub mod scene_files;

@@ -29,7 +29,8 @@ const TRIANGLE_TEXT: u64 = 64;
 /// An archive's plain entries are smaller than this, bytes.
 const PLAIN_ENTRY: u64 = u32::MAX as u64;
 
-/// Of 1 to 9. On a sheet of 2.9 million triangles 3 makes 1.06 times the bytes of the usual 6 in half of the time.
+/// Of 1 to 9. Of a sheet of 2.9 million triangles the usual 6 makes 0.84 of the bytes of 3, in 2.7 times its time; 1 makes 1.3
+/// times the bytes in less than half.
 const COMPRESSION: i64 = 3;
 
 /// Writes `mesh` in mm as the only object; each of `metadata` is one of the names that 3MF knows (Title, Description), and

@@ -3,6 +3,9 @@
 //! A new file of a design is one more line of [`DESIGN`], and one of the README's table. Which files may be replaced, what
 //! `.ci/run` expects of its example and what the README lists follow from here; tests hold the latter two to it.
 
+#[cfg(test)]
+mod tests;
+
 use std::cell::OnceCell;
 use std::io::{self, Cursor, Write};
 
@@ -16,6 +19,7 @@ use crate::export::scene_files::LitPlate;
 use crate::export::scene_files::mitsuba::{BODY, LAMP, MIRROR, SCREEN};
 use crate::export::shading::ReliefPicture;
 use crate::export::sheet::sheet_solid;
+use crate::export::step::write_step;
 use crate::export::stl::write_stl;
 #[cfg(feature = "meshes")]
 use crate::export::three_mf::write_three_mf;
@@ -85,6 +89,7 @@ pub const DESIGN: &[Export] = &[
         write: |from, mut out| write_ply(&from.product.design.mesh, &mut out),
     },
     Export { name: "plate.3mf", when: When::Also(Format::ThreeMf), write: |from, out| from.three_mf(out) },
+    Export { name: "plate.step", when: When::Also(Format::Step), write: |from, out| from.step(out) },
     Export { name: "heightmap.png", when: When::Always, write: |from, out| png(&from.map()?.image, out) },
     Export {
         name: "heightmap.json",
@@ -314,6 +319,12 @@ impl<'a> Source<'a> {
         made_once(&self.lit, || self.product.lit_plate(self.progress))
     }
 
+    fn step(&self, out: &mut dyn Write) -> io::Result<()> {
+        let Product { design, recipe, .. } = self.product;
+        let about = self.product.described();
+        write_step(&design.relief, recipe.plate.thickness, &about, out, self.progress).map_err(io::Error::other)
+    }
+
     /// The encoder of TIFF goes back in what it writes.
     fn map_in_tiff(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut file = Cursor::new(Vec::new());
@@ -386,35 +397,5 @@ impl Export {
     /// Writes the file.
     fn write(&self, from: &Source, out: &mut dyn Write) -> io::Result<()> {
         (self.write)(from, out)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    fn repository(file: &str) -> String {
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap()
-    }
-
-    #[test]
-    fn the_readme_lists_every_file_of_a_design_and_the_script_expects_them() {
-        let (readme, script) = (repository("README.md"), repository(".ci/run"));
-        let table = readme.split_once("| file | what it is |").unwrap().1;
-        let table = table.split_once("\n\n").unwrap().0;
-        let expected = script.lines().find_map(|line| line.trim().strip_prefix("for file in plate.stl ")).unwrap();
-        let mut expected: Vec<&str> = expected.split(';').next().unwrap().split(' ').chain(["plate.stl"]).collect();
-        let mut names = names();
-        for name in &names {
-            assert!(table.contains(&format!("`{name}`")), "README's table of files lacks {name}");
-        }
-        // The example has a cutter and is proved: it writes all there is but what only a goal has.
-        let of_goal = |name: &&str| DESIGN.iter().any(|export| export.name == *name && export.when == When::Goal);
-        names.retain(|name| !of_goal(name));
-        names.sort_unstable();
-        expected.sort_unstable();
-        assert_eq!(names, expected, "the files that .ci/run looks for in its example");
     }
 }

@@ -1,5 +1,6 @@
 //! Which recipes can be made at all.
 
+use super::files::MOST_STEP_FACETS;
 use super::settings::{MOST_FACETS, SETTINGS, within};
 use super::{BorderFinish, Format, Recipe, RecipeError, SurfaceKind};
 use crate::cutter::Cutter;
@@ -37,7 +38,17 @@ impl Recipe {
         if !cfg!(feature = "meshes") && self.writes(Format::ThreeMf) {
             return Err(RecipeError::FormatLeftOut { format: Format::ThreeMf });
         }
-        Ok(())
+        if !self.writes(Format::Step) {
+            return Ok(());
+        }
+        let [columns, rows] = self.facets();
+        match self.surface() {
+            SurfaceKind::Sheet => Err(RecipeError::StepOfSheet),
+            SurfaceKind::Facets if columns.saturating_mul(rows) > MOST_STEP_FACETS => {
+                Err(RecipeError::StepTooLarge { columns, rows })
+            }
+            SurfaceKind::Facets => Ok(()),
+        }
     }
 
     fn check_facets(&self) -> Result<(), RecipeError> {

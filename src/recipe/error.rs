@@ -1,5 +1,6 @@
 //! Why a recipe cannot be followed, in one sentence with what would do.
 
+use super::files::MOST_STEP_FACETS;
 use super::settings::LEAST_GRID;
 use super::{Format, HalfField, SceneFault, SurfaceKind};
 use crate::cutter::UnmodelledCutter;
@@ -71,6 +72,24 @@ pub enum RecipeError {
     FormatLeftOut {
         /// The format.
         format: Format,
+    },
+    /// A format of planar faces for what has none.
+    #[error(
+        "also: step holds planar faces, and this plate is a sheet of very many triangles: take 3mf in its place, or flat \
+         facets (--surface facets)"
+    )]
+    StepOfSheet,
+    /// More faces than CAD programs take.
+    #[error(
+        "also: {columns}x{rows} facets are more than the {most} that are written as step: take 3mf in its place, or fewer \
+         --facets",
+        most = MOST_STEP_FACETS
+    )]
+    StepTooLarge {
+        /// Facets along x.
+        columns: usize,
+        /// Facets along y.
+        rows: usize,
     },
     /// A finish of a rim that is not there.
     #[error("border-finish is for a plate with a rim: give --border too, or leave it out")]

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Recipe;
 
+pub use crate::export::step::MOST_FACETS as MOST_STEP_FACETS;
+
 /// Files beside those of every design.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
@@ -32,6 +34,9 @@ pub enum Format {
     /// 3D Manufacturing Format.
     #[serde(rename = "3mf")]
     ThreeMf,
+    /// STEP AP214, planar faces: facets only.
+    #[serde(rename = "step")]
+    Step,
     /// A 16-bit height map.
     #[serde(rename = "tiff")]
     Tiff,
@@ -39,7 +44,7 @@ pub enum Format {
 
 impl Format {
     /// All of them, in the order in which they are written.
-    pub const ALL: [Self; 4] = [Self::Obj, Self::Ply, Self::ThreeMf, Self::Tiff];
+    pub const ALL: [Self; 5] = [Self::Obj, Self::Ply, Self::ThreeMf, Self::Step, Self::Tiff];
 
     /// How it is asked for.
     pub fn name(self) -> &'static str {
@@ -47,6 +52,7 @@ impl Format {
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::ThreeMf => "3mf",
+            Self::Step => "step",
             Self::Tiff => "tiff",
         }
     }

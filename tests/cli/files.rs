@@ -66,6 +66,13 @@ fn other_formats_are_written_when_they_are_asked_for_and_the_recipe_keeps_them()
     // What is no longer asked for goes.
     assert_done(&run_line(home.path(), &format!("design ring.png -o one {SMALL} --no-verify --also obj --force")));
     assert!(one.join("plate.obj").exists() && !one.join("plate.ply").exists() && !one.join("heightmap.tiff").exists());
+    assert_done(&run_line(home.path(), &format!("design ring.png -o cad {SMALL} --no-verify --also step")));
+    let step = fs::read_to_string(home.path().join("cad/plate.step")).unwrap();
+    assert!(step.contains("MANIFOLD_SOLID_BREP") && step.ends_with("END-ISO-10303-21;\n"));
+    for (flags, words) in [("--surface sheet", "--surface facets"), ("--facets 200x100", "fewer --facets")] {
+        let refused = run_line(home.path(), &format!("design ring.png -o three {flags} --also step"));
+        assert_refused(&refused, 4, &["step", "3mf", words]);
+    }
     let refused = run_line(home.path(), "design ring.png -o three --also obj,stl");
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("'stl'") && refused.stderr.contains("3mf") && !home.path().join("three").exists());

@@ -17,5 +17,6 @@ mod referee;
 mod referee_figures;
 mod renderer;
 mod scenes;
+mod step_read;
 mod stl_light;
 mod ztests;

@@ -12,8 +12,9 @@ const FORMATS: Setting = Setting {
     key: "files.also",
     form: Text("FORMATS"),
     section: Section::Files,
-    help: "Write the plate in these formats too, with commas between: obj, ply, 3mf, tiff",
-    more: "plate.obj, plate.ply (binary) and plate.3mf hold the triangles of plate.stl, to the last digit; heightmap.tiff the \
+    help: "Write the plate in these formats too, with commas between: obj, ply, 3mf, step, tiff",
+    more: "plate.obj, plate.ply (binary) and plate.3mf hold the triangles of plate.stl, to the last digit; plate.step each \
+           facet and wall as a planar face, of at most 10,000 facets; heightmap.tiff the \
            16-bit heights of heightmap.png with their scale in mm inside.",
     at: |recipe| &mut recipe.files.also,
     ..PLAIN
