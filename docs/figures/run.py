@@ -336,6 +336,30 @@ def other_goals():
     goal_rows(OTHER_GOALS)
 
 
+# Pictures on 60 x 60 patches of 1 mm unless the flags say otherwise.
+PORTRAITS = ["", "--patch-lobe 2", "--viewer 30,180", "--light 0,0 --viewer 0,0",
+             "--size 30x30 --patches 30x30 --max-triangles 730000"]  # fmt: skip
+
+
+@group
+def portraits():
+    """Portraits: white, contrast, least largest bowl, likeness and TV as written, as cut by a ball of 0.5 mm, CPU seconds."""
+    usual = "--size 60x60 --patches 60x60 --light 40,0 --viewer 40,180 --for-cutter ball:0.5 --rays 6000000"
+    for flags in PORTRAITS:
+        with tempfile.TemporaryDirectory() as folder:
+            flagged = dict(zip(*[iter(usual.split() + flags.split())] * 2))
+            words = [word for pair in flagged.items() for word in pair]
+            picture = ["--portrait", str(PICTURES / "portrait.png"), "-o", f"{folder}/plate", "--json"]
+            run = subprocess.run([PROGRAM, "design", *picture, *words], capture_output=True, text=True)
+            if run.returncode:
+                sys.exit(f"{' '.join(words)}\n{run.stderr}")
+            said = json.loads(run.stdout)
+        written, cut, reach = said["designed"], said["as_milled"], said["reachable"]
+        row(flags or "as it is", f"{reach['white']:.2f}/sr, {reach['contrast']:.0f} to 1",
+            f"bowls {said['patches']['most_share'][0]:.2f}", f"{written['ssim']:.3f} {written['tv']:.3f}",
+            f"{cut['ssim']:.3f} {cut['tv']:.3f}", f"{said['cpu_seconds']['total']:.0f} CPU s")  # fmt: skip
+
+
 def main(names):
     if names == ["--list"]:
         for name, function in GROUPS.items():

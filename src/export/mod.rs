@@ -39,6 +39,8 @@ pub mod float_tiff;
 
 pub mod rendered_view;
 
+pub mod patch_page;
+
 pub mod heightmap;
 
 pub mod shading;

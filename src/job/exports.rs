@@ -30,10 +30,10 @@ use crate::recipe::Format;
 use crate::report::text;
 
 /// Pixels along the longer side of the height map, at the most.
-const HEIGHT_MAP_SIDE: usize = 2048;
+pub(super) const HEIGHT_MAP_SIDE: usize = 2048;
 
 /// Pixels along the longer side of the relief's picture.
-const RELIEF_PICTURE_SIDE: usize = 960;
+pub(super) const RELIEF_PICTURE_SIDE: usize = 960;
 
 /// Pixels along a side of the target where no proof has one.
 const TARGET_SIDE: usize = 256;

@@ -50,6 +50,10 @@ pub mod report;
 
 pub mod exports;
 
+pub mod patches;
+
+mod patch_report;
+
 pub mod plan;
 
 pub use product::{Content, Product, png};

@@ -209,6 +209,16 @@ impl Dimple {
         covered as f64 / (PLACES * PLACES) as f64
     }
 
+    /// The share of the patch whose slope is the one for spare light.
+    pub fn spare_share(&self) -> f64 {
+        let without = Walls { spare: None, ..self.walls };
+        let is_spare = |at: &DVec2| {
+            let bowl = self.bowl.map_or(f64::NEG_INFINITY, |bowl| bowl.height(*at));
+            self.walls.height(*at) > without.height(*at).max(bowl)
+        };
+        self.walls.places().filter(is_spare).count() as f64 / (PLACES * PLACES) as f64
+    }
+
     /// The largest share that a bowl of `lobe` can take: a larger one would rise over the rim.
     pub fn most_share(walls: Walls, lobe: &PatchLobe) -> f64 {
         // Bisected to less than the error of a share.

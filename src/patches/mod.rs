@@ -4,6 +4,7 @@
 //! past the viewer. The share of the patch that the bowl takes is how bright it is to whoever looks at the lobe. All dimples are
 //! level at the rims of their patches, so that neighbours join without a step ([`plate`]); [`viewer`] tells in closed form what
 //! is seen of the written triangles, and [`portrait`] chooses bowls so that this is a picture.
+//! [`maps`] gives each patch its lobe by pictures of gloss, normals, anisotropy and albedo.
 //! [`milled`] is what a cutter leaves of them.
 
 pub mod dimple;
@@ -13,5 +14,7 @@ pub mod plate;
 pub mod viewer;
 
 pub mod portrait;
+
+pub mod maps;
 
 pub mod milled;

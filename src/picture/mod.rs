@@ -51,12 +51,16 @@ mod light;
 
 mod fit;
 
+mod values;
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use image::ImageReader;
 use serde::{Deserialize, Serialize};
+
+pub use self::values::values;
 
 use self::pixels::{Pixels, Samples, check_size};
 use crate::fence::fenced;

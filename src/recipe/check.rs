@@ -17,6 +17,10 @@ impl Recipe {
         within("annealing.swaps", annealing.swaps as f64, 0.0, 1e12)?;
         within("annealing.valleys", annealing.valleys, 0.0, 1e6)?;
         within("annealing.starts", f64::from(annealing.starts), 1.0, 1000.0)?;
+        self.check_patches()?;
+        if self.patches.are_wanted() {
+            return Ok(());
+        }
         let field = self.highlight.half_field;
         if self.reading().aspect.is_some_and(|aspect| !(0.1..=10.0).contains(&aspect)) {
             return Err(RecipeError::LongField { field });

@@ -94,6 +94,58 @@ pub enum RecipeError {
     /// A finish of a rim that is not there.
     #[error("border-finish is for a plate with a rim: give --border too, or leave it out")]
     NoBorder,
+    /// A setting of patches without a portrait.
+    #[error(
+        "{setting} is for a plate of patches: name what it shall show with --portrait PICTURE or --gloss MAP, or leave it out"
+    )]
+    NoPatches {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+    },
+    /// A setting of other plates beside a portrait.
+    #[error("{setting} is not for a plate of patches: leave it out, or --portrait and the maps")]
+    NotOfPatches {
+        /// Name of the setting, as in the flag.
+        setting: &'static str,
+    },
+    /// Both ways of asking for patches.
+    #[error("portrait is the picture that becomes maps: leave it out, or --gloss, --normal, --anisotropy and --albedo")]
+    PortraitAndMaps,
+    /// Patches of a few wavelengths or features.
+    #[error(
+        "patches would be {side:.3} mm wide, and must be at least {least:.3} mm: take at most --patches {}x{}, or a larger --size",
+        most[0],
+        most[1]
+    )]
+    SmallPatches {
+        /// Their shorter side, mm.
+        side: f64,
+        /// The shortest that can be, mm.
+        least: f64,
+        /// Patches along x and y at the most.
+        most: [usize; 2],
+    },
+    /// Patches twice as long as wide.
+    #[error("patches would be {across:.3} mm by {up:.3} mm: choose --patches in proportion to --size")]
+    LongPatches {
+        /// Along x, mm.
+        across: f64,
+        /// Along y, mm.
+        up: f64,
+    },
+    /// Too coarse, odd or too many nodes.
+    #[error(
+        "a patch of {nodes} nodes a side cannot be made: it needs an even number of 12 or more within the budget; choose --grid so, take fewer --patches, or raise --max-triangles"
+    )]
+    PatchNodes {
+        /// Nodes along a side of a patch.
+        nodes: usize,
+    },
+    /// Spare light where the viewer is, or too far away.
+    #[error(
+        "spare light cannot go there: choose --spare more than four times --patch-lobe away from where a flat plate mirrors the lamp, and at most 50 degrees away"
+    )]
+    Spare,
     /// Facets do not divide into cells.
     #[error(
         "{columns}x{rows} facets do not divide into {}x{} cells: take --facets {near_columns}x{near_rows}, or other --cells",
@@ -211,6 +263,7 @@ impl RecipeError {
     pub fn is_impossible(&self) -> bool {
         match self {
             Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
+            Self::NoPatches { .. } | Self::NotOfPatches { .. } | Self::PortraitAndMaps => false,
             Self::NoMachine { .. } | Self::Machine(_) | Self::NoCutter | Self::NoPolish | Self::MachineNearby => false,
             Self::Scene(fault) => fault.is_impossible(),
             _ => true,

@@ -22,6 +22,8 @@ mod error;
 
 mod passes;
 
+mod patches;
+
 mod check;
 
 mod text;
@@ -38,6 +40,7 @@ pub use files::{FileSettings, Format, FormatError, Formats};
 pub use half_field::HalfField;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
+pub use patches::{Angles, PatchSettings};
 pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{
     Arrangement, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Seen, VerifySettings,
@@ -70,6 +73,9 @@ pub struct Recipe {
     /// Lamp and wall nearby, if they are.
     #[serde(skip_serializing_if = "is_far")]
     pub scene: SceneSettings,
+    /// A picture that stands on the plate, if one shall.
+    #[serde(skip_serializing_if = "has_no_patches")]
+    pub patches: PatchSettings,
     /// The plate.
     pub plate: PlateSettings,
     /// How slopes are found, drawn, ordered and raised.
@@ -109,6 +115,10 @@ fn has_no_more(files: &FileSettings) -> bool {
 
 fn is_specular(part: &GoalPart) -> bool {
     *part == GoalPart::default()
+}
+
+fn has_no_patches(patches: &PatchSettings) -> bool {
+    *patches == PatchSettings::default()
 }
 
 fn is_far(scene: &SceneSettings) -> bool {

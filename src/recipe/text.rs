@@ -6,11 +6,19 @@ use super::settings::SETTINGS;
 use super::{Recipe, RecipeError};
 
 /// What stands at keys that are no setting of their own.
-const OTHER_KEYS: [(&str, &str); 11] = [
+const OTHER_KEYS: [(&str, &str); 16] = [
     ("picture", "looked for beside this file, then in the working folder"),
     ("picture-bytes", "the picture's name, which is not Unicode, as hexadecimal bytes"),
     ("goal", "reflectance in place of a picture; a file is looked for beside this one, then in the working folder"),
     ("goal-part", "specular, without what scatters evenly, or all"),
+    (
+        "patches.portrait",
+        "the picture that a viewer sees on the plate; looked for beside this file, then in the working folder",
+    ),
+    ("patches.gloss", "map of lobes, white the narrowest; looked for as a portrait"),
+    ("patches.normal", "map of normals, red to the right, green up; looked for as a portrait"),
+    ("patches.anisotropy", "map of long lobes, red and green their direction, blue how long; looked for as a portrait"),
+    ("patches.albedo", "map of the share of light in the lobe; looked for as a portrait"),
     ("light.theta", "degrees, the lamp from the plate's normal"),
     ("light.phi", "degrees, the lamp's azimuth from +x, counter-clockwise"),
     ("design.annealing.energy", "which energies are weighed"),

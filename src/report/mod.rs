@@ -28,6 +28,8 @@ pub mod mill;
 
 pub mod plan;
 
+pub mod patches;
+
 pub mod coupon;
 
 use serde::{Serialize, Serializer};

@@ -79,6 +79,13 @@ impl Camera {
         Self { position: target + distance * toward, right, up, forward: -toward, reach }
     }
 
+    /// The uv at which the place `point` (mm) is seen, the inverse of [`direction`](Self::direction); `None` behind the camera.
+    pub fn uv(&self, point: DVec3) -> Option<DVec2> {
+        let way = point - self.position;
+        let ahead = way.dot(self.forward);
+        (ahead > 0.0).then(|| DVec2::new(way.dot(self.right), way.dot(self.up)) / ahead / self.reach)
+    }
+
     /// The unit direction seen at `uv` in [-1, 1]², u right, v up.
     #[inline]
     pub fn direction(&self, uv: DVec2) -> DVec3 {
@@ -100,6 +107,9 @@ mod tests {
             assert!((camera.position + 200.0 * camera.direction(DVec2::ZERO) - target).length() < 1e-9);
             let angle = camera.direction(DVec2::X).angle_between(camera.direction(-DVec2::X));
             assert!((angle - 0.5).abs() < 1e-12);
+            let uv = DVec2::new(0.3, -0.8);
+            assert!((camera.uv(camera.position + 7.0 * camera.direction(uv)).unwrap() - uv).length() < 1e-12);
+            assert_eq!(camera.uv(camera.position + toward), None);
             let up = camera.direction(DVec2::Y).angle_between(-toward);
             assert!((up.tan() - 0.75 * f64::tan(0.25)).abs() < 1e-12);
         }

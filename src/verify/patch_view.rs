@@ -1,6 +1,6 @@
 //! A camera's picture of a plate of patches, averaged over each of them, beside the picture that is wanted.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::camera::Camera;
 use super::render::{RenderedView, ViewSettings};
@@ -60,13 +60,16 @@ pub fn field_of_view(diagonal: f64, distance: f64) -> f64 {
 
 impl PatchView {
     /// Averages a picture over the patches that its pixels look at. `middle` is the place that the camera looks at, mm,
-    /// and `level` the height at which patches are told apart, mm. A patch that no pixel looks at is dark.
+    /// and `level` the height at which patches are told apart, mm.
+    ///
+    /// The light of the pixels whose middles look at a patch is divided by the area of the patch in the picture: to divide it
+    /// by their number would count a dark rim's pixels here and not there, and leave stripes of 10 % on a portrait.
     pub fn new(view: &RenderedView, settings: &ViewSettings, patches: &Patches, middle: DVec3, level: f64) -> Self {
         let [columns, rows] = patches.count;
         let toward = direction(settings.theta.to_radians(), settings.phi.to_radians());
         let fov = settings.field_of_view.to_radians();
         let camera = Camera::new(middle, toward, settings.distance, fov, settings.size);
-        let mut sums = vec![[0.0f64; 3]; columns * rows];
+        let mut sums = vec![[0.0f64; 2]; columns * rows];
         let [width, height] = settings.size;
         for k in 0..width * height {
             let uv = View::pixel_centre(k % width, k / width, width, height);
@@ -79,13 +82,21 @@ impl PatchView {
                 let sum = &mut sums[row * columns + column];
                 sum[0] += view.radiance.values[k];
                 sum[1] += view.errors.values[k].powi(2);
-                sum[2] += 1.0;
             }
         }
-        let raster = |of: fn(&[f64; 3]) -> f64| Raster {
+        let half = 0.5 * DVec2::new(width as f64, height as f64);
+        let pixels = |k: usize| {
+            let (patch, middle) = (patches.patch(), patches.middle(k % columns, k / columns));
+            let corner = |x: f64, y: f64| camera.uv((middle + 0.5 * patch * DVec2::new(x, y)).extend(level));
+            let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y));
+            // Half the product of the diagonals, as vectors.
+            let area = |a: DVec2, b: DVec2, c: DVec2, d: DVec2| 0.5 * ((c - a) * half).perp_dot((d - b) * half);
+            Some(area(a?, b?, c?, d?)).filter(|area| *area > 0.0)
+        };
+        let raster = |of: fn(&[f64; 2]) -> f64| Raster {
             width: columns,
             height: rows,
-            values: sums.iter().map(|sum| if sum[2] > 0.0 { of(sum) / sum[2] } else { 0.0 }).collect(),
+            values: (0..sums.len()).map(|k| pixels(k).map_or(0.0, |pixels| of(&sums[k]) / pixels)).collect(),
         };
         Self { seen: raster(|sum| sum[0]), errors: raster(|sum| sum[1].sqrt()) }
     }
@@ -108,8 +119,6 @@ impl PatchView {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
-
     use super::*;
     use crate::lamp::Lamp;
     use crate::patches::dimple::Walls;

@@ -18,6 +18,7 @@ mod milled;
 mod names;
 mod on_wall;
 mod plan;
+mod portraits;
 mod publishing;
 mod reports;
 mod stopping;

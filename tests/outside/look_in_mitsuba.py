@@ -2,8 +2,8 @@
 
     python look_in_mitsuba.py SCENE.json OUT.json
 
-The scene names an STL file (or the radius of a ball, as a globe with its pole at +y), the metal's eta and k and roughness
-(or a .bsdf file), camera (eye, target, up, width of the field in degrees), the way light goes, pixels, bounces, passes and
+The scene names an STL file (or the radius of a ball, as a globe with its pole at +y), the metal's eta and k, roughness
+and distribution (or a .bsdf file), camera (eye, target, up, width of the field in degrees), the way light goes, pixels, bounces, passes and
 paths a pixel in each. Exit 3 if a package is missing.
 """
 
@@ -38,7 +38,7 @@ if "bsdf" in wanted:
     material = {"type": "measured", "filename": wanted["bsdf"]}
 else:
     material = {
-        "type": "roughconductor", "distribution": "ggx",
+        "type": "roughconductor", "distribution": wanted.get("distribution", "ggx"),
         "alpha_u": wanted["alpha"][0], "alpha_v": wanted["alpha"][1],
         "eta": {"type": "spectrum", "value": wanted["eta"]}, "k": {"type": "spectrum", "value": wanted["k"]},
         "specular_reflectance": {"type": "spectrum", "value": 1.0},

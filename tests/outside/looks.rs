@@ -12,13 +12,16 @@ use facetmill::export::bsdf::{BsdfColour, BsdfSettings, write_bsdf};
 use facetmill::export::pixels::{common_white, encode_png, tone_mapped};
 use facetmill::export::stl::write_stl;
 use facetmill::job::design::design;
+use facetmill::job::patches::{Asked, design_patches};
 use facetmill::lamp::Extent;
+use facetmill::memory::MemoryLimit;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::projection::{Projection, carried_axes};
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
 use facetmill::relief::faceted::{Facet, FacetedRelief};
+use facetmill::relief::open::NodeGrid;
 use facetmill::setup::Setup;
 use facetmill::slope::{Slope, direction};
 use facetmill::trace::Surface;
@@ -26,6 +29,7 @@ use facetmill::trace::grid::GridSurface;
 use facetmill::verify::experiment::{Experiment, Measuring};
 use facetmill::verify::goniometer::sweep::sweep;
 use facetmill::verify::goniometer::table::{BrdfAxes, BrdfTable};
+use facetmill::verify::patch_view::PatchView;
 use facetmill::verify::render::{RenderedView, Shape, ViewSettings, render};
 use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
@@ -151,6 +155,61 @@ fn a_rough_plate_looks_as_in_mitsuba() {
     };
     let (low, high) = plate.relief.bounds();
     seen_alike(&experiment, &settings, "aluminium", json!({"stl": stl, "alpha": [0.2, 0.2]}), 0.5 * (low + high));
+}
+
+#[test]
+fn a_portrait_on_the_metal_looks_as_in_mitsuba() {
+    let text =
+        "plate = { size = [14, 14] }\nlight = { theta = 40 }\nverify = { rays = 400000 }\npatches = { portrait = '-' }";
+    let recipe = Recipe::from_toml(text).unwrap();
+    let tones = Raster::from_fn(14, 14, |x, y| match (x, y) {
+        (2..5, 1..12) | (2..11, 9..12) => 1.0,
+        (8..12, 2..5) => 0.4,
+        _ => 0.05,
+    });
+    let asked = Asked::Portrait(tones);
+    let plate = design_patches(&recipe, &asked, true, MemoryLimit::NONE, &Progress::silent()).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let stl = folder.path().join("plate.stl");
+    write_stl(&plate.mesh, &mut BufWriter::new(File::create(&stl).unwrap())).unwrap();
+    let proof = plate.proof.as_ref().unwrap();
+    let (settings, (low, high)) = (&proof.settings, plate.relief.height_range());
+    let middle = DVec3::new(7.0, 7.0, 0.5 * (low + high));
+    let toward = direction(settings.theta.to_radians(), settings.phi.to_radians());
+    // A purely imaginary index reflects everything; Beckmann's width is √2 times the standard deviation of slopes.
+    let width = 2f64.sqrt() * f64::to_radians(0.75);
+    let scene = json!({
+        "eye": (middle + settings.distance * toward).to_array(), "target": middle.to_array(),
+        "up": carried_axes(toward).1.to_array(), "light_goes": (-recipe.setup().light()).to_array(),
+        "field_of_view": settings.field_of_view, "size": settings.size, "bounces": settings.max_bounces,
+        "passes": 16, "paths": 16, "stl": stl, "alpha": [width, width], "distribution": "beckmann", "eta": 0.0, "k": 1.0,
+    });
+    let [radiance, variance] = match rendered(&scene) {
+        Ok(seen) => seen,
+        Err(why) => return asking::skip("Mitsuba", &why),
+    };
+    keep("portrait", &proof.written.view.radiance, &radiance);
+    let errors = Raster { values: variance.values.iter().map(|v| v.sqrt()).collect(), ..variance };
+    let trapped = Raster::zeros(radiance.width, radiance.height);
+    let theirs = RenderedView { radiance, errors, trapped };
+    let level = plate.relief.heights.iter().map(|z| f64::from(*z)).sum::<f64>() / plate.relief.heights.len() as f64;
+    let (ours, theirs) = (&proof.written.seen, PatchView::new(&theirs, settings, &plate.patches, middle, level));
+    let beyond = |most: f64| {
+        let far = |k: &usize| {
+            let error = ours.errors.values[*k].hypot(theirs.errors.values[*k]).max(1e-3 * plate.wanted.max());
+            (ours.seen.values[*k] - theirs.seen.values[*k]).abs() > most * error
+        };
+        (0..ours.seen.values.len()).filter(far).count()
+    };
+    let sums = ours.seen.sum() / theirs.seen.sum() - 1.0;
+    let scores = [ours.scores(&plate.wanted), theirs.scores(&plate.wanted)];
+    say(&format!(
+        "portrait, ours against Mitsuba: sums differ by {sums:.5}, beyond 3 errors {}, {scores:?}",
+        beyond(3.0)
+    ));
+    assert!(sums.abs() < 0.01, "{sums}");
+    assert!(beyond(3.0) <= 4 && beyond(5.0) == 0, "{} {}", beyond(3.0), beyond(5.0));
+    assert!(scores.iter().all(|scores| scores.ssim.unwrap() > 0.93 && scores.tv < 0.06), "{scores:?}");
 }
 
 #[test]

@@ -20,12 +20,15 @@ use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
 use crate::stages::Stages;
-use crate::{inputs, machining, tables};
+use crate::{inputs, machining, portrait, tables};
 
 /// Does what `args` say.
 pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([args.recipe.as_deref(), None])?;
     let (mut recipe, from) = recipe(args)?;
+    if recipe.patches.are_wanted() {
+        return portrait::run(args, &recipe, args.recipe.as_deref(), run);
+    }
     let read = inputs::given([from.path(), args.recipe.as_deref()])?;
     let limit = args.running.memory();
     let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
@@ -114,6 +117,8 @@ enum From {
     Picture(PathBuf),
     /// A goal, its file in place.
     Goal(GoalSpec),
+    /// A portrait or maps, which the recipe names.
+    Patches,
 }
 
 impl From {
@@ -121,6 +126,7 @@ impl From {
         match self {
             Self::Picture(path) => Some(path),
             Self::Goal(spec) => spec.path(),
+            Self::Patches => None,
         }
     }
 
@@ -134,6 +140,7 @@ impl From {
         let spec = match self {
             Self::Picture(path) => return Ok((inputs::picture(path, &recipe.reading(), limit)?, None)),
             Self::Goal(spec) => spec,
+            Self::Patches => return Err(Failure::Usage("no picture was given: name one".into())),
         };
         let cannot = |error: GoalError| match spec.path() {
             Some(_) => Failure::Input(error.to_string()),
@@ -186,6 +193,7 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, From), Failure> {
         )));
     }
     let from = match (&recipe.goal, &args.picture, &args.recipe) {
+        _ if recipe.patches.are_wanted() => From::Patches,
         (Some(goal), None, file) => From::Goal(goal_beside(args, &recipe, goal, file.as_deref())?),
         (None, Some(path), _) | (Some(_), Some(path), _) => From::Picture(path.clone()),
         (None, None, Some(file)) => From::Picture(inputs::picture_of(&recipe, file)?),

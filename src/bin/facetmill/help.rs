@@ -14,6 +14,8 @@ const MOST_NEEDED: [(&str, &[&str]); 5] = [
         &[
             "output",
             "goal",
+            "portrait",
+            "viewer",
             "size",
             "half-field",
             "for-cutter",

@@ -46,9 +46,22 @@ pub fn picture(path: &Path, reading: &Reading, limit: MemoryLimit) -> Result<Pic
     Ok(picture::read(path, reading)?)
 }
 
+/// Refuses the recipe of a plate of patches, which comes from `name`, where the light of a whole plate is asked for.
+pub fn is_no_patches(recipe: &Recipe, name: &dyn std::fmt::Display) -> Result<(), Failure> {
+    if !recipe.patches.are_wanted() {
+        return Ok(());
+    }
+    let [theta, phi] = recipe.viewer().0;
+    Err(Failure::Input(format!(
+        "{name}: the picture of this plate of patches stands on the metal: look at it with measure --look --camera \
+         {theta},{phi}"
+    )))
+}
+
 /// The picture that the recipe in `file` names: beside that file, else in the working folder.
 pub fn picture_of(recipe: &Recipe, file: &Path) -> Result<PathBuf, Failure> {
     let from = file.display();
+    is_no_patches(recipe, &from)?;
     let Some(named) = recipe.picture_path() else {
         return Err(Failure::Input(format!("{from}: the recipe names no picture: give one on the command line")));
     };

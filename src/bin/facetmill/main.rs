@@ -56,6 +56,8 @@ mod program_check;
 
 mod mill;
 
+mod portrait;
+
 mod coupon_reading;
 
 mod coupon;

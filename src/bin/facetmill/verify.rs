@@ -180,6 +180,7 @@ fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
              against, or see all of it with measure --brdf"
         )));
     }
+    inputs::is_no_patches(recipe, &name)?;
     let Some(named) = recipe.picture_path() else {
         return Err(Failure::Input(format!("{name}: its recipe names no picture: say with --against which it is")));
     };

@@ -9,6 +9,7 @@ mod table;
 
 mod files;
 mod machining;
+mod patches;
 mod running;
 mod scene;
 
@@ -23,9 +24,11 @@ use super::{Recipe, RecipeError, SurfaceKind};
 /// Every setting but the picture itself, in the order of the help.
 pub static SETTINGS: &[Setting] = &joined();
 
-const PARTS: [&[Setting]; 5] = [table::GENERAL, running::RUNNING, &scene::SCENE, &machining::MAKING, files::FILES];
+const PARTS: [&[Setting]; 6] =
+    [table::GENERAL, running::RUNNING, &patches::PATCHES, &scene::SCENE, &machining::MAKING, files::FILES];
 
-const COUNT: usize = PARTS[0].len() + PARTS[1].len() + PARTS[2].len() + PARTS[3].len() + PARTS[4].len();
+const COUNT: usize =
+    PARTS[0].len() + PARTS[1].len() + PARTS[2].len() + PARTS[3].len() + PARTS[4].len() + PARTS[5].len();
 
 const fn joined() -> [Setting; COUNT] {
     let mut all = [table::PLAIN; COUNT];
@@ -79,6 +82,8 @@ pub struct Setting {
 pub enum Section {
     /// The picture and the lamp.
     Optics,
+    /// A picture that stands on the plate.
+    Patches,
     /// Lamp and wall nearby.
     Scene,
     /// The piece of metal.
@@ -98,6 +103,7 @@ impl Section {
     pub fn title(self) -> &'static str {
         match self {
             Self::Optics => "Highlight and light",
+            Self::Patches => "A picture on the plate",
             Self::Scene => "Lamp and wall nearby",
             Self::Plate => "Plate",
             Self::Design => "Design",

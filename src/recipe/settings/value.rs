@@ -17,8 +17,8 @@ use crate::projection::Projection;
 use crate::scene::room::Room;
 
 use super::super::{
-    Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod, PassOrder,
-    Seen, SurfaceKind,
+    Angles, Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod,
+    PassOrder, Seen, SurfaceKind,
 };
 
 /// A number with or without a fraction.
@@ -197,6 +197,22 @@ impl Value for LightSettings {
 
     fn numbers(&self) -> Vec<f64> {
         vec![self.theta, self.phi]
+    }
+}
+
+/// A direction, two angles with a comma between them.
+impl Value for Angles {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        pair(text, ',', number).map(|angles| self.0 = angles)
+    }
+
+    fn written(&self) -> Option<String> {
+        let [theta, phi] = self.0;
+        Some(format!("{theta},{phi}"))
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        self.0.to_vec()
     }
 }
 

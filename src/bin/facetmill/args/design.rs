@@ -13,7 +13,7 @@ use crate::values::{GoalPartArg, MethodArg, goal};
 #[derive(Debug, Args)]
 pub struct DesignArgs {
     /// The highlight, bright where light shall be: PNG, JPEG, TIFF, WebP, SVG, GIF, BMP, PGM, HDR, EXR; - for a pipe
-    #[arg(required_unless_present_any = ["recipe", "goal"])]
+    #[arg(required_unless_present_any = ["recipe", "goal", "portrait", "gloss", "normal", "anisotropy", "albedo"])]
     pub picture: Option<PathBuf>,
     /// Reflectance in place of a picture: ward:0.1,0.3, ggx:0.2,0.05,30, merl:FILE, csv:FILE, ndf:PICTURE
     ///
@@ -30,6 +30,24 @@ pub struct DesignArgs {
     /// much it is; `all` keeps it as a highlight all over the field.
     #[arg(long, value_enum, value_name = "PART", help_heading = "Highlight and light")]
     pub goal_part: Option<GoalPartArg>,
+    /// A picture that a viewer shall see on the plate itself, in place of PICTURE
+    ///
+    /// The plate is divided into --patches; each is a dimple whose bowl sends as much light to --viewer as the picture is
+    /// bright there, under the lamp that --light says. docs/portraits.md has how, and figures.
+    #[arg(long, value_name = "PICTURE", help_heading = "A picture on the plate", conflicts_with_all = ["picture", "goal", "gloss", "normal", "anisotropy", "albedo"])]
+    pub portrait: Option<PathBuf>,
+    /// Map of how glossy each patch is: white --patch-lobe, black --widest-lobe
+    #[arg(long, value_name = "MAP", help_heading = "A picture on the plate", conflicts_with_all = ["picture", "goal"])]
+    pub gloss: Option<PathBuf>,
+    /// Map of the normals of patches: red to the right, green up, as in glTF
+    #[arg(long, value_name = "MAP", help_heading = "A picture on the plate", conflicts_with_all = ["picture", "goal"])]
+    pub normal: Option<PathBuf>,
+    /// Map of long lobes: red and green in which direction, blue how long, as in glTF
+    #[arg(long, value_name = "MAP", help_heading = "A picture on the plate", conflicts_with_all = ["picture", "goal"])]
+    pub anisotropy: Option<PathBuf>,
+    /// Map of the share of light that patches keep in their lobes
+    #[arg(long, value_name = "MAP", help_heading = "A picture on the plate", conflicts_with_all = ["picture", "goal"])]
+    pub albedo: Option<PathBuf>,
     /// Folder for the results; made if it does not exist
     #[arg(short = 'o', long = "output", value_name = "DIR", required_unless_present = "dry_run")]
     pub output: Option<PathBuf>,
@@ -87,6 +105,18 @@ impl DesignArgs {
         if let Some(goal) = &self.goal {
             (recipe.picture, recipe.picture_bytes) = (None, None);
             recipe.goal = Some(goal.clone());
+        }
+        let patches = &mut recipe.patches;
+        for (path, name) in [
+            (&self.portrait, &mut patches.portrait),
+            (&self.gloss, &mut patches.gloss),
+            (&self.normal, &mut patches.normal),
+            (&self.anisotropy, &mut patches.anisotropy),
+            (&self.albedo, &mut patches.albedo),
+        ] {
+            if let Some(path) = path {
+                *name = Some(path.to_string_lossy().into_owned());
+            }
         }
         if let Some(part) = self.goal_part {
             recipe.goal_part = part.into();

@@ -1,0 +1,230 @@
+//! What is said of a plate of patches, and its files.
+
+use super::exports::{HEIGHT_MAP_SIDE, RELIEF_PICTURE_SIDE};
+use super::patches::{PatchProduct, SeenPatches};
+use super::product::{Content, png};
+use crate::export::heightmap::height_map;
+use crate::export::patch_page::{PatchPage, patch_picture};
+use crate::export::rendered_view::{Exposure, view_page};
+use crate::export::shading::ReliefPicture;
+use crate::export::stl::{stl_bytes, write_stl};
+use crate::picture::Picture;
+use crate::progress::{Cancelled, Progress, Stage};
+use crate::relief::open::NodeGrid;
+use crate::report::patches::*;
+use crate::report::{Named, PROGRAM, PictureFacts, text};
+
+/// Wavelength in the middle of what the eye sees, mm.
+const WAVELENGTH: f64 = 550e-6;
+
+/// Width of a patch, mm, below which diffraction is told.
+const SMALL: f64 = 1.0;
+
+/// Likeness below which a person is told that the picture will not be taken for the wanted one.
+const ALIKE: f64 = 0.9;
+
+impl PatchProduct {
+    /// Everything that is known of it; `picture` is that of a portrait.
+    pub fn report(&self, picture: Option<&Picture>) -> PatchesReport {
+        let Self { recipe, proof, .. } = self;
+        let [theta, phi] = recipe.viewer().0;
+        let scored = |seen: &SeenPatches, left_mm| PatchScoreFacts {
+            ssim: seen.scores.ssim,
+            tv: seen.scores.tv,
+            light: seen.scores.light,
+            noise: seen.scores.noise,
+            bright: seen.scores.bright,
+            dark: seen.scores.dark,
+            left_mm,
+            paths_a_pixel: proof.as_ref().map_or(0, |proof| proof.settings.rays),
+            resolution: seen.view.radiance.width,
+        };
+        let cut = proof.as_ref().and_then(|proof| proof.cut.as_ref());
+        let total = ("total", self.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>());
+        PatchesReport {
+            program: PROGRAM,
+            picture: picture.map(|picture| PictureFacts::new(picture, recipe.patches.portrait.clone())),
+            recipe: recipe.clone(),
+            patches: self.patch_facts(),
+            viewer: ViewerFacts { theta, phi, distance_mm: recipe.viewer_distance() },
+            reachable: self.reachable(),
+            stl: PatchStlFacts {
+                units: "mm",
+                triangles: self.mesh.triangles.len(),
+                bytes: stl_bytes(self.mesh.triangles.len()),
+            },
+            designed: proof.as_ref().map(|proof| scored(&proof.written, None)),
+            as_milled: cut.map(|(seen, left)| scored(seen, Some(*left))),
+            verdict: self.verdict(),
+            advice: self.advice(),
+            cpu_seconds: Named::from_iter(self.seconds.iter().copied().chain([total])),
+        }
+    }
+
+    fn patch_facts(&self) -> PatchFacts {
+        let Self { recipe, patches, dimples, .. } = self;
+        let mean = |of: fn(&crate::patches::dimple::Dimple) -> f64| {
+            dimples.iter().map(of).sum::<f64>() / dimples.len().max(1) as f64
+        };
+        let sharpest = self.sharpest();
+        let side = patches.patch().min_element();
+        let smallest = dimples.iter().map(|dimple| dimple.share()).filter(|share| *share > 0.0).fold(1.0, f64::min);
+        let spread = |width: f64| (WAVELENGTH / width).to_degrees();
+        PatchFacts {
+            count: patches.count,
+            size_mm: patches.patch().to_array(),
+            nodes: patches.nodes,
+            walls_deg: self.walls.steep.atan().to_degrees(),
+            lobe_deg: recipe.patch_lobes().map(|slope| slope.atan().to_degrees()),
+            metal_lobe_deg: recipe.plate.lobe,
+            most_share: self.most_share,
+            bowls_share: mean(|dimple| dimple.share()),
+            spare_share: self.walls.spare.map(|_| mean(|dimple| dimple.spare_share())),
+            sharpest_bowl_mm: if sharpest > 0.0 { 1.0 / sharpest } else { 0.0 },
+            relief_height_mm: self.relief.depth(),
+            diffraction_deg: [spread(side), spread(side * smallest.sqrt())],
+        }
+    }
+
+    /// Curvature of the sharpest bowl, 1/mm.
+    fn sharpest(&self) -> f64 {
+        let bowls = self.dimples.iter().filter_map(|dimple| dimple.bowl);
+        bowls.map(|bowl| bowl.sharpest()).fold(0.0, f64::max)
+    }
+
+    fn reachable(&self) -> Option<ReachableFacts> {
+        let [black, white] = self.range?;
+        // A bowl of radius R sends R² of area per unit of slope squared.
+        let round = self.recipe.design.sheet.cutter.map_or(0.0, |cutter| cutter.valley_radius().powi(2));
+        let level = (self.recipe.viewer().0[0].to_radians().cos()).max(0.05);
+        let pit = round / (4.0 * level * self.walls.area());
+        // What is darker than a millionth counts as that: no proof resolves it.
+        Some(ReachableFacts { white, black, contrast: white / black.max(pit).max(1e-6 * white) })
+    }
+
+    /// How it looks, in a sentence.
+    pub fn verdict(&self) -> Option<String> {
+        let proof = self.proof.as_ref()?;
+        let scores = &proof.decisive().scores;
+        let [theta, phi] = self.recipe.viewer().0;
+        let how = match (&proof.cut, self.recipe.design.sheet.cutter) {
+            (Some(_), Some(cutter)) => format!("Cut by {cutter}, the"),
+            _ => "The".to_owned(),
+        };
+        let place = format!("from {} mm at {theta}°, {phi}°", self.recipe.viewer_distance());
+        let contrast = self.reachable().map_or(String::new(), |reachable| {
+            format!(", with a contrast of {:.0} to 1 within reach", reachable.contrast.min(1e6))
+        });
+        let seen = match scores.ssim {
+            Some(ssim) => format!("likeness {ssim:.3}, {:.1} % of the light in other patches", 100.0 * scores.tv),
+            None => format!("{:.1} % of the light in other patches", 100.0 * scores.tv),
+        };
+        Some(format!("{how} plate shows the picture {place}: {seen}{contrast}."))
+    }
+
+    /// What a person should know.
+    fn advice(&self) -> Vec<String> {
+        let Self { recipe, patches, .. } = self;
+        let facts = self.patch_facts();
+        let mut said = Vec::new();
+        if patches.patch().min_element() < SMALL {
+            let [whole, smallest] = facts.diffraction_deg;
+            said.push(format!(
+                "Patches are smaller than {SMALL} mm: diffraction spreads the light of bright ones by {whole:.2}°, of the \
+                 darkest by {smallest:.2}°, beside lobes of {:.1}° of light. Fewer --patches or a larger --size would not.",
+                4.0 * facts.lobe_deg[0]
+            ));
+        }
+        if facts.most_share[0] < 0.2 {
+            said.push(format!(
+                "Bowls take at most {:.0} % of a patch, since lamp and viewer are not opposite: with --viewer {},{} the \
+                 picture would be brighter.",
+                100.0 * facts.most_share[0],
+                recipe.light.theta,
+                (recipe.light.phi + 180.0).rem_euclid(360.0)
+            ));
+        }
+        if let Some(cutter) = recipe.design.sheet.cutter.filter(|cutter| cutter.valley_radius() * self.sharpest() > 1.0)
+        {
+            said.push(format!(
+                "The sharpest bowl has a radius of {:.3} mm, less than that of {cutter}: the darkest tones come out \
+                 brighter.",
+                facts.sharpest_bowl_mm
+            ));
+        }
+        if let Some(proof) = &self.proof {
+            let scores = &proof.decisive().scores;
+            if scores.ssim.is_some_and(|ssim| ssim < ALIKE) {
+                said.push(match scores.noise > 0.05 {
+                    true => format!(
+                        "A patch is known to {:.0} % of white only, which lowers the likeness: raise --rays.",
+                        100.0 * scores.noise
+                    ),
+                    false => {
+                        "The likeness is low: coarser detail, a larger --lobe or more nodes (--grid) would raise it."
+                            .to_owned()
+                    }
+                });
+            }
+        }
+        said
+    }
+
+    /// Hands every file of the output folder to `keep`, by name and content.
+    pub fn write<E: From<Cancelled>>(
+        &self,
+        picture: Option<&Picture>,
+        keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
+        progress: &Progress,
+    ) -> Result<(), E> {
+        progress.stage(Stage::Files);
+        let faceted = self.relief.faceted();
+        keep("plate.stl", &mut |mut out| write_stl(&self.mesh, &mut out))?;
+        progress.check()?;
+        let map = height_map(&faceted, HEIGHT_MAP_SIDE, progress)?;
+        keep("heightmap.png", &mut |out| png(&map.image, out))?;
+        keep("heightmap.json", &mut |out| out.write_all(text(&map.sidecar).as_bytes()))?;
+        let made_of = self.made_of();
+        let relief = ReliefPicture { relief: &faceted, continuous: true, made_of: &made_of };
+        let relief = relief.picture(RELIEF_PICTURE_SIDE, progress)?;
+        keep("relief.png", &mut |out| png(&relief, out))?;
+        keep("target.png", &mut |out| png(&patch_picture(&self.wanted, self.wanted.max()), out))?;
+        if let Some(proof) = &self.proof {
+            let view = &proof.decisive().view;
+            let exposure = Exposure { heading: made_of.clone(), ..Exposure::default() };
+            keep("simulated.png", &mut |out| png(&view_page(view, &proof.settings, &exposure), out))?;
+            keep("comparison.png", &mut |out| png(&self.page(&proof.written, "as written"), out))?;
+            if let Some((cut, _)) = &proof.cut {
+                keep("comparison_milled.png", &mut |out| png(&self.page(cut, "as cut"), out))?;
+            }
+        }
+        keep("recipe.toml", &mut |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
+        progress.check()?;
+        keep("report.json", &mut |out| out.write_all(text(&self.report(picture)).as_bytes()))
+    }
+
+    /// What the relief is made of, in words.
+    pub fn made_of(&self) -> String {
+        let [columns, rows] = self.patches.count;
+        let cutter = self.recipe.design.sheet.cutter.map(|cutter| format!(" for {cutter}")).unwrap_or_default();
+        format!("{columns} × {rows} patches{cutter}")
+    }
+
+    fn page(&self, seen: &SeenPatches, how: &str) -> image::RgbImage {
+        let [width, height] = self.recipe.plate.size;
+        let ([theta, phi], scores) = (self.recipe.viewer().0, &seen.scores);
+        let likeness = scores.ssim.map(|ssim| format!("SSIM {ssim:.3} · ")).unwrap_or_default();
+        let notes = [
+            format!("{likeness}TV {:.3} · a patch is known to {:.1} % of white", scores.tv, 100.0 * scores.noise),
+            format!(
+                "seen {how} from {} mm at {theta}°, {phi}° · lamp at {}°, {}° · white is {:.3}/sr under a lamp of irradiance 1",
+                self.recipe.viewer_distance(),
+                self.recipe.light.theta,
+                self.recipe.light.phi,
+                self.wanted.max()
+            ),
+        ];
+        let heading = format!("{width} × {height} mm, {}", self.made_of());
+        PatchPage { wanted: &self.wanted, seen: &seen.seen.seen, heading: &heading, notes: &notes }.picture()
+    }
+}
