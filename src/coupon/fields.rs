@@ -15,6 +15,12 @@ const PIXELS: f64 = 6.0;
 const ASIDE: f64 = 0.25;
 const LINES: usize = 60;
 
+/// Of the way from one pass to the next, what is within a stripe or between two whatever the lens blurs.
+const INNER: f64 = 0.1;
+
+/// Passes at either end of those far apart that are not read.
+const RIM: usize = 2;
+
 /// From places on the piece (mm) to pixels.
 struct Mapping(DMat3);
 
@@ -93,8 +99,14 @@ pub(super) fn seen(coupon: &Coupon, photograph: &Raster) -> Result<Vec<Field>, N
     let shift = template.shift(best);
     let middles = middles(coupon, &profiles[bare[bare.len() - 1]], shift, step);
     let field = |((_, place), profile): (&(f64, Place), &Vec<[f64; 2]>)| {
-        let own = if *place == Place::Polished { middles.clone() } else { self::middles(coupon, profile, shift, step) };
-        Field { place: *place, bright: bright(profile, &own, apart(coupon)) }
+        let polished = *place == Place::Polished;
+        let own = if polished { middles.clone() } else { self::middles(coupon, profile, shift, step) };
+        let mut bright = bright(profile, &own, (apart(coupon), polished));
+        // The passes at the ends have other neighbours: an edge, or closer passes.
+        let last = bright.len() - RIM;
+        bright[..RIM].iter_mut().for_each(|stripe| *stripe = f64::NAN);
+        bright[last..].iter_mut().for_each(|stripe| *stripe = f64::NAN);
+        Field { place: *place, bright }
     };
     Ok(fields.iter().zip(&profiles).map(field).collect())
 }
@@ -170,8 +182,9 @@ fn curve(points: &[[f64; 2]], end: f64) -> impl Fn(f64) -> f64 + use<> {
     move |y| fit.dot(&basis(y))
 }
 
-/// Width of the bright stripe around each of `middles`, mm.
-fn bright(profile: &[[f64; 2]], middles: &[f64], apart: f64) -> Vec<f64> {
+/// Width of the bright stripe around each of `middles`, mm. Where nothing is polished, bright and dark are what lies in the
+/// middles of stripes and between them; else what is as bright or as dark as anything there.
+fn bright(profile: &[[f64; 2]], middles: &[f64], (apart, polished): (f64, bool)) -> Vec<f64> {
     let [from, to] = [middles[0] - apart, middles[middles.len() - 1] + apart];
     let inner: Vec<[f64; 2]> = profile.iter().copied().filter(|point| point[0] > from && point[0] < to).collect();
     let mut sorted: Vec<f64> = inner.iter().map(|point| point[1]).collect();
@@ -191,9 +204,18 @@ fn bright(profile: &[[f64; 2]], middles: &[f64], apart: f64) -> Vec<f64> {
             let [dark, light] = levels.map(|level| level.dot(&basis(point[0])));
             (point[1] - dark) / (light - dark)
         };
-        let fitted = [[-0.3, 0.12], [0.88, 1.3]].map(|[least, most]| {
+        let from_middle = |y: f64| {
+            let after = middles.partition_point(|middle| *middle < y);
+            let near = [after.saturating_sub(1), after.min(middles.len() - 1)].map(|k| (y - middles[k]).abs());
+            near[0].min(near[1]) / apart
+        };
+        let counts = |point: &[f64; 2], least: f64, most: f64, place: f64| match polished {
+            true => (least..most).contains(&share(point)),
+            false => (from_middle(point[0]) - place).abs() < INNER,
+        };
+        let fitted = [[-0.3, 0.06, 0.5], [0.94, 1.3, 0.0]].map(|[least, most, place]| {
             let (mut square, mut product) = (nalgebra::Matrix3::identity() * 1e-9, nalgebra::Vector3::zeros());
-            for point in inner.iter().filter(|point| (least..most).contains(&share(point))) {
+            for point in inner.iter().filter(|point| counts(point, least, most, place)) {
                 square += basis(point[0]) * basis(point[0]).transpose();
                 product += basis(point[0]) * point[1];
             }
@@ -206,14 +228,19 @@ fn bright(profile: &[[f64; 2]], middles: &[f64], apart: f64) -> Vec<f64> {
         (point[1] - dark) / (light - dark)
     };
     let step = inner[1][0] - inner[0][0];
-    let stripe = |middle: &f64| {
+    let stripe = |k: usize| {
+        // Passes are as far apart as the photograph has them there, where its scale is not quite what the corners say.
+        let (before, after) = (k.saturating_sub(4), (k + 4).min(middles.len() - 1));
+        let local = (middles[after] - middles[before]) / (after - before) as f64;
+        let middle = middles[k];
         // The points within half a pass on either side, those at its ends in part.
         let sum = |point: &[f64; 2]| {
-            let inside = (0.5 * (apart + step) - (point[0] - middle).abs()) / step;
+            let inside = (0.5 * (local + step) - (point[0] - middle).abs()) / step;
             share(point) * inside.clamp(0.0, 1.0) * step
         };
         let near = profile.partition_point(|point| point[0] < middle - apart);
-        profile[near..].iter().take_while(|point| point[0] < middle + apart).map(sum).sum::<f64>()
+        let wide = profile[near..].iter().take_while(|point| point[0] < middle + apart).map(sum).sum::<f64>();
+        wide * apart / local
     };
-    middles.iter().map(stripe).collect()
+    (0..middles.len()).map(stripe).collect()
 }

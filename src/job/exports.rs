@@ -3,6 +3,8 @@
 //! A new file of a design is one more line of [`DESIGN`], and one of the README's table. Which files may be replaced, what
 //! `.ci/run` expects of its example and what the README lists follow from here; tests hold the latter two to it.
 
+mod others;
+
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +30,8 @@ use crate::picture::Picture;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::recipe::Format;
 use crate::report::text;
+
+pub use others::*;
 
 /// Pixels along the longer side of the height map, at the most.
 pub(super) const HEIGHT_MAP_SIDE: usize = 2048;
@@ -150,84 +154,6 @@ pub const DESIGN: &[Export] = &[
         write: |from, out| out.write_all(text(&from.product.report(from.picture)).as_bytes()),
     },
 ];
-
-/// Every file that a verification may write.
-pub const VERIFY: &[&str] = &[
-    "target.png",
-    "simulated.png",
-    "comparison.png",
-    "comparison_milled.png",
-    "comparison_made.png",
-    "as-made.stl",
-    "report.json",
-];
-
-/// Every file that a plan may write.
-pub const PLAN: &[&str] = &["plan.png", "recipe-1.toml", "recipe-2.toml", "recipe-3.toml", "report.json"];
-
-/// Every file that a fit may write.
-pub const FIT: &[&str] = &["fit.png", "fit_2.png", "fit_3.png", "report.json"];
-
-/// Every file that any measurement may write.
-pub const MEASURE: &[&str] = &[
-    "highlight.png",
-    "highlight.tiff",
-    "highlight_error.tiff",
-    "brdf.bsdf",
-    "brdf.binary",
-    "brdf.csv",
-    "slices.png",
-    "maps.png",
-    "ndf.png",
-    "ndf.csv",
-    "masking.csv",
-    "wall.png",
-    "wall.tiff",
-    "wall_error.tiff",
-    "look.png",
-    "look.tiff",
-    "look_error.tiff",
-    "report.json",
-];
-
-/// Every file that `mill` may write.
-pub const MILL: &[&str] = &[
-    "air-cut.nc",
-    "air-cut.ngc",
-    "air-cut.tap",
-    "roughing.nc",
-    "roughing.ngc",
-    "roughing.tap",
-    "finishing.nc",
-    "finishing.ngc",
-    "finishing.tap",
-    "comparison_made.png",
-    "setup.html",
-    "report.json",
-];
-
-/// Every file that `coupon` may write.
-pub const COUPON: &[&str] = &[
-    "coupon.toml",
-    "plate.stl",
-    "air-cut.nc",
-    "air-cut.ngc",
-    "air-cut.tap",
-    "roughing.nc",
-    "roughing.ngc",
-    "roughing.tap",
-    "finishing.nc",
-    "finishing.ngc",
-    "finishing.tap",
-    "setup.html",
-    "report.json",
-];
-
-/// Every file that `coupon --read` may write.
-pub const COUPON_READ: &[&str] = &["machine.toml", "report.json"];
-
-/// Every file that `mill --check` may write.
-pub const CHECK: &[&str] = &["target.png", "comparison.png", "report.json"];
 
 /// The names of all files that a design may write.
 pub fn names() -> Vec<&'static str> {

@@ -186,7 +186,7 @@ impl ConcaveEdges {
         let mut of_edges = EdgeGradients { ends: vec![[0.0; 2]; n], along: vec![0.0; n] };
         let mut penalty = 0.0;
         for axis in 0..2 {
-            penalty += self.price(axis, row, weight, &mut of_edges);
+            penalty += self.penalise(axis, row, weight, &mut of_edges);
             self.add_strips(axis, row, bins, potential, &mut of_edges);
             of_edges.add_to(axis, row, sums);
         }
@@ -195,7 +195,7 @@ impl ConcaveEdges {
 
     /// What the edges of a row at which p, or q, jumps cost, several reckoned side by side; `weight` times its gradient
     /// goes to `of_edges`.
-    fn price(&self, axis: usize, row: &EdgeRow<'_>, weight: f32, of_edges: &mut EdgeGradients) -> f64 {
+    fn penalise(&self, axis: usize, row: &EdgeRow<'_>, weight: f32, of_edges: &mut EdgeGradients) -> f64 {
         let n = of_edges.ends.len();
         let ([p0, p1], [q0, q1]) = (row.p.map(|p| &p[..n + 1]), row.q.map(|q| &q[..n + 1]));
         let share = self.share[axis];
