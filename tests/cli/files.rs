@@ -58,7 +58,7 @@ fn other_formats_are_written_when_they_are_asked_for_and_the_recipe_keeps_them()
     let tv = |file: &str| {
         let done = run_line(home.path(), &format!("verify two/{file} --against ring.png --rays 5000 --json"));
         assert_done(&done);
-        serde_json::from_str::<Value>(&done.stdout).unwrap()["verified"]["tv"]["1"].clone()
+        serde_json::from_str::<Value>(&done.stdout).unwrap()["measured"]["tv"]["1"].clone()
     };
     let stl = tv("plate.stl");
     assert!(stl.is_number());

@@ -21,7 +21,7 @@ fn a_sheet_is_made_unless_something_asks_for_facets() {
     assert_same_plate(&folder("sheet"), &folder("again"), &[]);
     let flat = run_line(home.path(), "design --recipe sheet/recipe.toml -o flat --surface flat --facets 8x6");
     assert_done(&flat);
-    assert!(flat.told().contains("8 × 6 facets") && !flat.told().contains("cutter was named"), "{}", flat.stdout);
+    assert!(flat.told().contains("8 × 6 facets") && flat.told().contains("as sharp as facets"), "{}", flat.stdout);
     assert_eq!(json(folder("flat/report.json"))["design"]["surface"], "facets: as --surface asks");
     assert_done(&run_line(home.path(), "design --recipe flat/recipe.toml -o flat2 --no-verify"));
     let line = "design --recipe flat/recipe.toml -o back --surface continuous --grid 32";

@@ -64,11 +64,11 @@ pub fn check_in_short(report: &CheckReport) -> Vec<Row> {
         read.troubles.iter().take(FINDINGS).map(|trouble| told(trouble.kind, trouble.sentence.clone())).collect();
     if let Some(surface) = surface {
         let (mean, most, line) = (surface.left_mean_um, surface.left_most_um, surface.left_most_line);
-        let on_mean = match mean < 0.0 {
-            true => format!("{:.2} µm too deep on the mean", -mean),
-            false => format!("{mean:.2} µm left standing on the mean"),
+        let figures = match mean < 0.0 {
+            true => format!("{:.2} µm too deep on the mean, up to {most:.2} µm left standing (line {line})", -mean),
+            false => format!("{mean:.2} µm left standing on the mean, {most:.2} µm at the most (line {line})"),
         };
-        rows.push(told("surface", format!("{on_mean}, {most:.2} µm at the most (line {line})")));
+        rows.push(told("surface", figures));
     }
     rows.extend(report.light.as_ref().map(light));
     let [x, y, z] = report.zero_mm;

@@ -11,7 +11,7 @@ const DESIGN: &[(&str, i32, &str)] = &[
     ("--half-field 1e-9", 2, "--half-field"),
     ("--half-field nan", 2, "--half-field"),
     ("--half-field inf", 2, "--half-field"),
-    ("--half-field -inf", 2, "'-i'"),
+    ("--half-field -inf", 2, "--half-field"),
     ("--half-field 1e999", 2, "--half-field"),
     ("--half-field wide", 2, "--half-field"),
     ("--half-field 0x10", 2, "--half-field"),
