@@ -112,12 +112,11 @@ fn evenly(lines: &[f64], low: f64, high: f64) -> Option<Evenly> {
     even.then_some(Evenly { first, count })
 }
 
+/// A plate that was found in a mesh, and the lower and upper corner of its optical area, mm.
+type FoundWithin = (Recognised, (DVec2, DVec2));
+
 /// What stands in `mesh` but for the rim of `margin` mm, and the corners of that, mm; `None` if it is no plate of ours.
-pub(crate) fn within_rim(
-    mesh: &Mesh,
-    margin: f64,
-    progress: &Progress,
-) -> Result<Option<(Recognised, (DVec2, DVec2))>, Cancelled> {
+pub(crate) fn within_rim(mesh: &Mesh, margin: f64, progress: &Progress) -> Result<Option<FoundWithin>, Cancelled> {
     let (low, high) = mesh.bounds();
     let (low, high) = (low.truncate() + margin, high.truncate() - margin);
     let upper = if margin > 0.0 { within(mesh, low, high) } else { Mesh::default() };
