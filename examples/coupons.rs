@@ -21,7 +21,7 @@ fn drawn([low, high]: [f64; 2], machine: usize, quantity: usize) -> f64 {
 fn machine(k: usize) -> (Machine, Machine, f64) {
     let thought = Machine::preset(["desktop-good", "vmc"][k % 2]).unwrap_or_else(Machine::ideal);
     let um = |low: f64, high: f64, quantity: usize| 1e-3 * drawn([low, high], k, quantity);
-    let [low, high] = if k % 2 == 0 { [0.5, 2.0] } else { [0.25, 1.0] };
+    let [low, high] = if k.is_multiple_of(2) { [0.5, 2.0] } else { [0.25, 1.0] };
     let is = Machine {
         track_scatter: um(low, high, 1),
         tooth_scatter: um(0.6 * low, 0.6 * high, 2),

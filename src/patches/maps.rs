@@ -166,7 +166,9 @@ mod tests {
         assert!(near(lobes[0].widths, DVec2::splat(0.04)) && near(lobes[1].widths, DVec2::splat(0.12)));
         // A normal to the right is a slope that falls to the right.
         assert!((lobes[2].tilt.p + 0.06 / (1.0f64 - 0.0036).sqrt()).abs() < 1e-9 && lobes[2].tilt.q == 0.0);
-        assert!(near(lobes[3].widths, DVec2::new(0.12, 0.04)) && (lobes[3].turn - 1.5707963267948966).abs() < 1e-9);
+        assert!(
+            near(lobes[3].widths, DVec2::new(0.12, 0.04)) && (lobes[3].turn - std::f64::consts::FRAC_PI_2).abs() < 1e-9
+        );
 
         let mut recipe = Recipe::default();
         (recipe.plate.lobe, recipe.light.theta) = (1.5, 30.0);
