@@ -1,7 +1,7 @@
 //! STEP (ISO 10303-21, AP214): a plate of facets as a solid of planar faces, for CAD programs and shops that refuse meshes.
 //!
 //! Each facet is one face on its exact plane, each wall between facets one vertical face, the sides and the base too: a
-//! closed shell of shared edges. Nothing is cut into triangles. Heights that meet at a node within [`SNAP`] become one
+//! closed shell of shared edges. Nothing is cut into triangles. Heights that meet at a node within 2 nm become one
 //! vertex, so that a vertex lies on each of its planes within one and a half times that.
 
 mod brep;

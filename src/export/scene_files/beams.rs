@@ -23,8 +23,8 @@ const PARALLEL: f64 = 1000.0;
 const SHEET_AWAY: f64 = 3.0;
 
 /// Tiles along a side of the sheet of a lamp with an extent, each of which shines one way: a facet of a thirtieth of the
-/// plate sees about sixty directions.
-const TILES: u32 = 256;
+/// plate sees about 240 directions.
+const TILES: u32 = 512;
 
 /// The plastic number, whose powers fill a square evenly as the golden section fills an interval.
 const PLASTIC: f64 = 1.324_717_957_244_746;
