@@ -221,6 +221,7 @@ mod tests {
         map.sidecar.rim = Some("falling by 3.5°".into());
         let mut file = std::io::Cursor::new(Vec::new());
         map.write_tiff(&mut file).unwrap();
+        file.set_position(0);
         let mut read = tiff::decoder::Decoder::new(file).unwrap();
         let text = read.get_tag_ascii_string(Tag::ImageDescription).unwrap();
         assert!(text.is_ascii());

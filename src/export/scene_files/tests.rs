@@ -59,7 +59,7 @@ fn a_camera_sees_every_direction_where_the_image_has_it() {
             for vertex in &lit.screen.mesh.vertices {
                 let point = DVec3::from(vertex.map(f64::from));
                 let o = (point - lit.middle).normalize_or_zero();
-                let Some(uv) = setup.image_of(o) else { continue };
+                let Some(uv) = setup.view().forward(o) else { continue };
                 assert!((seen(&lit.camera, point) - uv).length() < 2e-3, "{projection:?} {uv}");
                 met += 1;
             }
@@ -90,7 +90,8 @@ fn a_sheet_shines_on_all_of_the_plate_from_every_part_of_the_lamp() {
         for k in 0..sheet.mesh.triangles.len() {
             let [a, b, c] = sheet.mesh.corners(k);
             let shines = (b - a).cross(c - a).normalize();
-            assert!(shines.angle_between(-toward) <= extent.reach() + 1e-4);
+            // Single precision turns a tile of a 512th of the sheet by up to 0.02°.
+            assert!(shines.angle_between(-toward) <= extent.reach() + 4e-4);
             mean += shines / sheet.mesh.triangles.len() as f64;
         }
         assert!(mean.angle_between(-toward) < 1e-3, "{mean}");
