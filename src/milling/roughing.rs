@@ -22,6 +22,10 @@ const RIM: f64 = 3e-3;
 /// Shortest segment where that can be helped, mm: at 3000 mm/min 100 lines a second.
 const SHORTEST: f64 = 0.5;
 
+/// How far beside a pass it is asked how low the cutter may stand, mm: decimals may move it as far, and a cutter that just
+/// touches a wall would else be let past it or not as numbers round.
+const ASIDE: f64 = 1e-3;
+
 /// From the stock to where passes begin, so that the cutter goes down beside it, mm.
 const BESIDE: f64 = 0.5;
 
@@ -78,7 +82,10 @@ impl Roughing {
             .map(|k| {
                 let y = low.y + (high.y - low.y) * k as f64 / count;
                 progress.check()?;
-                let tip = |i: usize| tips.at(DVec2::new(at(i), y));
+                let tip = |i: usize| {
+                    let beside = |by: f64| tips.at(DVec2::new(at(i), y + by));
+                    beside(0.0).max(beside(-ASIDE)).max(beside(ASIDE))
+                };
                 Ok((y, widened(&(0..=places as usize).map(tip).collect::<Vec<f64>>())))
             })
             .collect::<Result<Vec<(f64, Vec<f64>)>, Cancelled>>()?;
