@@ -5,6 +5,10 @@ pub fn golden(k: usize) -> f64 {
     (k as f64 * 0.618_033_988_749_894_9).fract()
 }
 
+/// The smaller part of a whole turn cut by the golden section, radians: points turned by it from one to the next, their
+/// distances from the middle growing with the root of their number, fill a disc evenly.
+pub const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
 #[cfg(test)]
 mod tests {
     use super::*;

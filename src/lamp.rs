@@ -200,15 +200,22 @@ impl LocalLight<'_> {
         match &*self.extent {
             Extent::Point => self.direction,
             Extent::Disc { radius } => {
-                // Uniform over the cap of the disc's solid angle.
-                let cosine = 1.0 - random.random::<f64>() * (1.0 - radius.cos());
-                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * random.random::<f64>());
-                let (e1, e2) = carried_axes(self.direction);
-                cosine * self.direction + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
+                let share = random.random::<f64>();
+                on_cap(self.direction, *radius, share, TAU * random.random::<f64>())
             }
             Extent::Picture(picture) => picture.sample(self.direction, random),
         }
     }
+}
+
+/// The unit vector within `radius` (radians) of `middle` that has the share `share` of that cap's solid angle nearer to the
+/// middle, at the angle `azimuth` about it: over both even shares are even over a disc of light.
+#[inline]
+pub(crate) fn on_cap(middle: DVec3, radius: f64, share: f64, azimuth: f64) -> DVec3 {
+    let cosine = 1.0 - share * (1.0 - radius.cos());
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let (e1, e2) = carried_axes(middle);
+    cosine * middle + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
 }
 
 impl SkyPicture {

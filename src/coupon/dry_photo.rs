@@ -7,7 +7,10 @@ use super::dry_run::Piece;
 use super::layout::{Coupon, Place};
 use super::lines::wide;
 use super::stripes::{SOFT, per_mm};
+use crate::export::pixels::{byte, srgb_encoded};
+use crate::milling::polish::taps;
 use crate::milling::random::{normal, stream};
+use crate::picture::srgb;
 use crate::raster::Raster;
 
 /// How far beside the middle of a field the piece is followed as it was made, mm; elsewhere it is as it is meant.
@@ -109,7 +112,7 @@ pub fn taken(coupon: &Coupon, piece: &Piece, camera: &Camera) -> (Vec<u8>, [usiz
 
 /// Blurred by the lens, with noise, as numbers of a picture.
 fn developed(rows: &[Vec<f64>], camera: &Camera) -> Vec<u8> {
-    let taps = crate::milling::polish::taps(camera.blur.max(0.3));
+    let taps = taps(camera.blur.max(0.3));
     let blurred = |line: &dyn Fn(usize) -> f64, count: usize, k: usize| {
         let at = |k: isize| line(k.clamp(0, count as isize - 1) as usize);
         let k = k as isize;
@@ -127,8 +130,7 @@ fn developed(rows: &[Vec<f64>], camera: &Camera) -> Vec<u8> {
             .map(|i| {
                 let light = 0.75 * blurred(&|k| across[k][i], across.len(), j);
                 let seen = light + camera.noise * light.max(0.0).sqrt() * normal(&mut random);
-                let number = if seen > 0.003_130_8 { 1.055 * seen.powf(1.0 / 2.4) - 0.055 } else { 12.92 * seen };
-                (255.0 * number.clamp(0.0, 1.0)).round() as u8
+                byte(srgb_encoded(seen))
             })
             .collect()
     };
@@ -137,11 +139,7 @@ fn developed(rows: &[Vec<f64>], camera: &Camera) -> Vec<u8> {
 
 /// The numbers of a picture as linear light.
 pub fn linear(numbers: &[u8], [width, height]: [usize; 2]) -> Raster {
-    let light = |number: u8| {
-        let v = f64::from(number) / 255.0;
-        if v > 0.040_45 { ((v + 0.055) / 1.055).powf(2.4) } else { v / 12.92 }
-    };
-    Raster::from_fn(width, height, |column, row| light(numbers[row * width + column]))
+    Raster::from_fn(width, height, |column, row| srgb(f64::from(numbers[row * width + column]) / 255.0))
 }
 
 fn strip(piece: &Piece, x: f64, place: Place, size: f64) -> Strip {

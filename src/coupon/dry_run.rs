@@ -9,7 +9,6 @@ use super::layout::{Coupon, POLISHED_FROM};
 use crate::export::sheet::{SheetError, sheet_solid};
 use crate::milling::machine::Machine;
 use crate::milling::made::{BareSurface, Machining};
-use crate::milling::passes::Ways;
 use crate::milling::random::{normal, stream};
 use crate::progress::Progress;
 
@@ -60,9 +59,7 @@ impl Piece {
         let mesh = sheet_solid(&coupon.relief(), THICKNESS, 0.0, progress)?;
         let machine = Machine { decimals: machine.decimals.max(DECIMALS), ..machine.clone() };
         let machining = Machining { machine, cutter: coupon.cutter, passes: coupon.passes(), polish: None, seed };
-        let steps = [machining.place(), machining.machine.quantum()];
-        let tips = machining.tips(&mesh);
-        let ways = Ways::along_x(&tips, (coupon.size(), coupon.widest()), &coupon.cuts(), steps, progress)?;
+        let ways = coupon.ways(&machining, &machining.tips(&mesh), progress)?;
         Ok(Self { surface: machining.bare(&ways, 0), size: coupon.size(), polish })
     }
 

@@ -5,6 +5,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::corners::corners;
 use super::layout::{Coupon, Place};
+use super::least_squares::linear_fit;
 use super::lines::{LIKE, NotFound, STEPS, Template, apart, largest, wide};
 use crate::raster::Raster;
 
@@ -167,12 +168,7 @@ fn curve(points: &[[f64; 2]], end: f64) -> impl Fn(f64) -> f64 + use<> {
     let mut fit = nalgebra::Vector4::zeros();
     let mut kept = points.to_vec();
     for _ in 0..3 {
-        let (mut square, mut product) = (nalgebra::Matrix4::identity() * 1e-9, nalgebra::Vector4::zeros());
-        for [y, value] in &kept {
-            square += basis(*y) * basis(*y).transpose();
-            product += basis(*y) * *value;
-        }
-        fit = square.try_inverse().map_or(fit, |inverse: nalgebra::Matrix4<f64>| inverse * product);
+        fit = linear_fit(kept.iter().map(|[y, value]| (basis(*y), *value)), 1e-9).map_or(fit, |fit| fit.of);
         let off = |point: &[f64; 2]| (point[1] - fit.dot(&basis(point[0]))).abs();
         let mut offs: Vec<f64> = kept.iter().map(off).collect();
         offs.sort_unstable_by(f64::total_cmp);
@@ -214,12 +210,8 @@ fn bright(profile: &[[f64; 2]], middles: &[f64], (apart, polished): (f64, bool))
             false => (from_middle(point[0]) - place).abs() < INNER,
         };
         let fitted = [[-0.3, 0.06, 0.5], [0.94, 1.3, 0.0]].map(|[least, most, place]| {
-            let (mut square, mut product) = (nalgebra::Matrix3::identity() * 1e-9, nalgebra::Vector3::zeros());
-            for point in inner.iter().filter(|point| counts(point, least, most, place)) {
-                square += basis(point[0]) * basis(point[0]).transpose();
-                product += basis(point[0]) * point[1];
-            }
-            square.try_inverse().map(|inverse: nalgebra::Matrix3<f64>| inverse * product)
+            let points = inner.iter().filter(|point| counts(point, least, most, place));
+            linear_fit(points.map(|point| (basis(point[0]), point[1])), 1e-9).map(|fit| fit.of)
         });
         levels = [fitted[0].unwrap_or(levels[0]), fitted[1].unwrap_or(levels[1])];
     }

@@ -7,6 +7,7 @@
 
 use super::groove::{PARTS, Simulated, Teeth, Window, at_place, scatter_of, simulated};
 use super::layout::{Coupon, Kind, Place, Track, ramp};
+use super::least_squares::linear_fit;
 use super::lines::{Grooves, apart, wide};
 use super::polished::Polished;
 use super::told::{BLOCKS, Told};
@@ -224,13 +225,8 @@ impl<'a> Passes<'a> {
             basis[4] = share * share - 1.0 / 12.0;
             basis
         };
-        let (mut square, mut product) = (nalgebra::Matrix5::zeros(), nalgebra::Vector5::zeros());
-        for (k, z) in &known {
-            let basis = basis(*k);
-            square += basis * basis.transpose();
-            product += basis * *z;
-        }
-        let fit = square.try_inverse().map_or(nalgebra::Vector5::zeros(), |inverse| inverse * product);
+        let fit = linear_fit(known.iter().map(|(k, z)| (basis(*k), *z)), 0.0);
+        let fit = fit.map_or_else(nalgebra::Vector5::zeros, |fit| fit.of);
         let mut bottoms = vec![f64::NAN; self.tracks.len()];
         known.into_iter().for_each(|(k, z)| bottoms[k] = z - fit.dot(&basis(k)));
         bottoms

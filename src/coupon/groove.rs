@@ -1,8 +1,9 @@
 //! One groove of a pass: what is fitted to it, and what a cutter with single teeth leaves at its bottom.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use rand::RngExt;
 
+use super::least_squares::{LinearFit, linear_fit};
 use crate::cutter::Profile;
 use crate::milling::random::{normal, stream};
 
@@ -77,18 +78,12 @@ impl Window {
     /// Fits points (from the groove's middle, height), mm; none if there are too few on either side.
     pub fn fit(&self, points: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Groove> {
         let flanks = || points.clone().filter(|[u, _]| u.abs() <= self.half && u.abs() >= CORE * self.half);
-        let (mut square, mut product, mut sides) = (Matrix3::zeros(), Vector3::zeros(), [0; 2]);
-        for [u, z] in flanks() {
-            let basis = self.basis(u);
-            square += basis * basis.transpose();
-            product += basis * z;
-            sides[usize::from(u > 0.0)] += 1;
-        }
+        let mut sides = [0; 2];
+        flanks().for_each(|[u, _]| sides[usize::from(u > 0.0)] += 1);
         if sides.iter().any(|side| *side < FEWEST) {
             return None;
         }
-        let inverse = square.try_inverse()?;
-        let fit = inverse * product;
+        let LinearFit { of: fit, inverse } = linear_fit(flanks().map(|[u, z]| (self.basis(u), z)), 0.0)?;
         let mut left = [[0.0; 3]; PARTS];
         for [u, z] in points.filter(|[u, _]| u.abs() <= self.half) {
             let part = ((u.abs() / self.half * PARTS as f64) as usize).min(PARTS - 1);

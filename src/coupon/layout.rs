@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::cutter::Cutter;
 use crate::milling::machine::Machine;
-use crate::milling::passes::Passes;
+use crate::milling::made::Machining;
+use crate::milling::passes::{Passes, Ways};
+use crate::milling::tip::TipHeights;
+use crate::progress::{Cancelled, Progress};
 use crate::relief::open::OpenRelief;
 
 /// Version of the places below: a test piece is read by the program that knows them.
@@ -233,6 +236,15 @@ impl Coupon {
     /// How far apart passes are at the most, mm.
     pub fn widest(&self) -> f64 {
         self.bands.iter().map(|band| band.stepover).fold(0.0, f64::max)
+    }
+
+    /// The ways of the finishing passes that `machining` cuts over `tips`.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn ways(&self, machining: &Machining, tips: &TipHeights, progress: &Progress) -> Result<Ways, Cancelled> {
+        let steps = [machining.place(), machining.machine.quantum()];
+        Ways::along_x(tips, (self.size(), self.widest()), &self.cuts(), steps, progress)
     }
 
     /// The finishing passes, as far as they are alike.

@@ -13,6 +13,8 @@ pub mod layout;
 
 pub mod scan;
 
+mod least_squares;
+
 pub mod groove;
 
 pub mod lines;

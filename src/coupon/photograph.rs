@@ -6,12 +6,13 @@
 //! the mean over a stretch of them. Where the slope of the edge goes through zero, stripes jump by the flat of a worn tip.
 //! In the polished half slopes are gentler, and go from bright to dark within a narrower band.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
 use super::fields::{Field, seen};
 use super::findings::{FLATS, Findings};
 use super::groove::Teeth;
 use super::layout::{Coupon, Kind, Place, Track};
+use super::least_squares::linear_fit;
 use super::lines::{NotFound, apart, wide};
 pub use super::stripes::DISTANCE;
 use super::stripes::{SOFT, gentle, odd, per_mm, steeper};
@@ -145,12 +146,8 @@ impl<'a> Stripes<'a> {
         };
         let stripe = |k: usize| field.bright[k] - self.edge[k];
         let kept = |k: &usize| Some(self.passes[*k].1) != without && stripe(*k).is_finite();
-        let (mut square, mut product) = (SMatrix::<f64, 9, 9>::identity() * 1e-12, SVector::<f64, 9>::zeros());
-        for k in (0..self.passes.len()).filter(kept) {
-            square += basis(k) * basis(k).transpose();
-            product += basis(k) * stripe(k);
-        }
-        let fit = square.try_inverse().map_or(SVector::<f64, 9>::zeros(), |inverse| inverse * product);
+        let points = (0..self.passes.len()).filter(kept).map(|k| (basis(k), stripe(k)));
+        let fit = linear_fit(points, 1e-12).map_or_else(SVector::<f64, 9>::zeros, |fit| fit.of);
         let rest = |k: usize| if kept(&k) { stripe(k) - fit.dot(&basis(k)) } else { f64::NAN };
         ((0..self.passes.len()).map(rest).collect(), fit[8])
     }

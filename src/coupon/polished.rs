@@ -4,6 +4,7 @@
 //! which that is so.
 
 use super::layout::{Coupon, Kind, Place};
+use super::least_squares::linear_fit;
 use super::lines::{Grooves, apart, even, wide};
 use super::told::{BLOCKS, Told};
 use crate::milling::polish::taps;
@@ -102,14 +103,8 @@ fn level(heights: &[f64], to: usize) -> Vec<f64> {
         let share = k as f64 / to.max(1) as f64 - 0.5;
         nalgebra::Vector3::new(1.0, share, share * share)
     };
-    let (mut square, mut product) = (nalgebra::Matrix3::zeros(), nalgebra::Vector3::zeros());
-    for (k, z) in heights.iter().enumerate().take(to).filter(|(_, z)| z.is_finite()) {
-        let basis = basis(k);
-        square += basis * basis.transpose();
-        product += basis * *z;
-    }
-    let fit =
-        square.try_inverse().map_or(nalgebra::Vector3::zeros(), |inverse: nalgebra::Matrix3<f64>| inverse * product);
+    let known = heights.iter().enumerate().take(to).filter(|(_, z)| z.is_finite());
+    let fit = linear_fit(known.map(|(k, z)| (basis(k), *z)), 0.0).map_or_else(nalgebra::Vector3::zeros, |fit| fit.of);
     heights.iter().enumerate().map(|(k, z)| z - fit.dot(&basis(k))).collect()
 }
 

@@ -19,7 +19,7 @@ pub(crate) fn srgb_encoded(linear: f64) -> f64 {
 }
 
 /// A code value in [0, 1] as a byte, rounded to the nearest.
-pub(super) fn byte(code: f64) -> u8 {
+pub(crate) fn byte(code: f64) -> u8 {
     (code * 255.0).round() as u8
 }
 

@@ -10,7 +10,6 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{BorderFinish, Cutter, Recipe};
 use crate::relief::faceted::FacetedRelief;
-use crate::relief::height_grid::HeightGrid;
 use crate::relief::mesh::Mesh;
 use crate::relief::open::{NodeGrid, OpenRelief};
 use crate::relief::recognise::Recognised;
@@ -309,7 +308,7 @@ impl RoomProof<'_> {
             Some(sigma) => polished(&grid, heights, sigma),
             None => heights,
         };
-        let surface = height_grid(&grid.plate(&heights), progress)?;
+        let surface = grid.plate(&heights).height_grid(progress)?;
         progress.check()?;
         Ok((self.throwing().on(&GridSurface::continuous(&surface, progress)?), left))
     }
@@ -334,7 +333,7 @@ fn diffraction(
     let WallProof { scene, eye_distance, target, designed, .. } = wall;
     let grid = PlateGrid::of(relief, None);
     let written = grid.embedded(relief);
-    let surface = |heights: &[f32]| GridSurface::continuous(&height_grid(&grid.plate(heights), progress)?, progress);
+    let surface = |heights: &[f32]| GridSurface::continuous(&grid.plate(heights).height_grid(progress)?, progress);
     let Some(change) = change(scene, &surface(&written)?, progress) else { return Ok(None) };
     let (mut unseen, mut seen) = (0.25 * relief.step.min_element(), 0.05 * relief.size().min_element());
     for _ in 0..HALVINGS {
@@ -347,11 +346,4 @@ fn diffraction(
     let spread = scene.wall_distance() * WAVELENGTH / patch;
     let ssim = likeness_once_spread(&designed.thrown, target, scene, *eye_distance, spread / WIDTH);
     Ok(ssim.map(|ssim| WallDiffraction { patch, spread, ssim }))
-}
-
-fn height_grid(relief: &OpenRelief, progress: &Progress) -> Result<HeightGrid, Cancelled> {
-    let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
-    let [nx, ny] = relief.nodes;
-    let heights = relief.heights.iter().map(|z| f64::from(*z)).collect();
-    HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights, progress)
 }

@@ -13,9 +13,7 @@ use crate::progress::{Cancelled, Progress, Stage};
 use crate::relief::open::NodeGrid;
 use crate::report::patches::*;
 use crate::report::{Named, PROGRAM, PictureFacts, text};
-
-/// Wavelength in the middle of what the eye sees, mm.
-const WAVELENGTH: f64 = 550e-6;
+use crate::sculpt::detail::WAVELENGTH;
 
 /// Width of a patch, mm, below which diffraction is told.
 const SMALL: f64 = 1.0;
@@ -29,23 +27,20 @@ impl PatchProduct {
         let Self { recipe, proof, .. } = self;
         let [theta, phi] = recipe.viewer().0;
         let scored = |seen: &SeenPatches, left_mm| PatchScoreFacts {
-            ssim: seen.scores.ssim,
-            tv: seen.scores.tv,
-            light: seen.scores.light,
-            noise: seen.scores.noise,
-            bright: seen.scores.bright,
-            dark: seen.scores.dark,
+            scores: seen.scores,
             left_mm,
             paths_a_pixel: proof.as_ref().map_or(0, |proof| proof.settings.rays),
             resolution: seen.view.radiance.width,
         };
         let cut = proof.as_ref().and_then(|proof| proof.cut.as_ref());
         let total = ("total", self.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>());
+        let patches = self.patch_facts();
+        let advice = self.advice(&patches);
         PatchesReport {
             program: PROGRAM,
             picture: picture.map(|picture| PictureFacts::new(picture, recipe.patches.portrait.clone())),
             recipe: recipe.clone(),
-            patches: self.patch_facts(),
+            patches,
             viewer: ViewerFacts { theta, phi, distance_mm: recipe.viewer_distance() },
             reachable: self.reachable(),
             stl: PatchStlFacts {
@@ -56,19 +51,19 @@ impl PatchProduct {
             designed: proof.as_ref().map(|proof| scored(&proof.written, None)),
             as_milled: cut.map(|(seen, left)| scored(seen, Some(*left))),
             verdict: self.verdict(),
-            advice: self.advice(),
+            advice,
             cpu_seconds: Named::from_iter(self.seconds.iter().copied().chain([total])),
         }
     }
 
     fn patch_facts(&self) -> PatchFacts {
         let Self { recipe, patches, dimples, .. } = self;
-        let mean = |of: fn(&crate::patches::dimple::Dimple) -> f64| {
-            dimples.iter().map(of).sum::<f64>() / dimples.len().max(1) as f64
-        };
+        let shares: Vec<f64> = dimples.iter().map(|dimple| dimple.share()).collect();
+        let mean = |shares: &[f64]| shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+        let spare = || mean(&dimples.iter().map(|dimple| dimple.spare_share()).collect::<Vec<f64>>());
         let sharpest = self.sharpest();
         let side = patches.patch().min_element();
-        let smallest = dimples.iter().map(|dimple| dimple.share()).filter(|share| *share > 0.0).fold(1.0, f64::min);
+        let smallest = shares.iter().copied().filter(|share| *share > 0.0).fold(1.0, f64::min);
         let spread = |width: f64| (WAVELENGTH / width).to_degrees();
         PatchFacts {
             count: patches.count,
@@ -78,8 +73,8 @@ impl PatchProduct {
             lobe_deg: recipe.patch_lobes().map(|slope| slope.atan().to_degrees()),
             metal_lobe_deg: recipe.plate.lobe,
             most_share: self.most_share,
-            bowls_share: mean(|dimple| dimple.share()),
-            spare_share: self.walls.spare.map(|_| mean(|dimple| dimple.spare_share())),
+            bowls_share: mean(&shares),
+            spare_share: self.walls.spare.map(|_| spare()),
             sharpest_bowl_mm: if sharpest > 0.0 { 1.0 / sharpest } else { 0.0 },
             relief_height_mm: self.relief.depth(),
             diffraction_deg: [spread(side), spread(side * smallest.sqrt())],
@@ -123,9 +118,8 @@ impl PatchProduct {
     }
 
     /// What a person should know.
-    fn advice(&self) -> Vec<String> {
+    fn advice(&self, facts: &PatchFacts) -> Vec<String> {
         let Self { recipe, patches, .. } = self;
-        let facts = self.patch_facts();
         let mut said = Vec::new();
         if patches.patch().min_element() < SMALL {
             let [whole, smallest] = facts.diffraction_deg;
@@ -170,10 +164,10 @@ impl PatchProduct {
         said
     }
 
-    /// Hands every file of the output folder to `keep`, by name and content.
+    /// Hands every file of the output folder, `report` among them, to `keep`, by name and content.
     pub fn write<E: From<Cancelled>>(
         &self,
-        picture: Option<&Picture>,
+        report: &PatchesReport,
         keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>,
         progress: &Progress,
     ) -> Result<(), E> {
@@ -200,7 +194,7 @@ impl PatchProduct {
         }
         keep("recipe.toml", &mut |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
         progress.check()?;
-        keep("report.json", &mut |out| out.write_all(text(&self.report(picture)).as_bytes()))
+        keep("report.json", &mut |out| out.write_all(text(report).as_bytes()))
     }
 
     /// What the relief is made of, in words.

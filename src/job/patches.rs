@@ -16,7 +16,6 @@ use crate::picture::PictureFit;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Recipe, RecipeError};
-use crate::relief::height_grid::HeightGrid;
 use crate::relief::mesh::Mesh;
 use crate::relief::open::OpenRelief;
 use crate::trace::Surface;
@@ -128,7 +127,8 @@ pub fn design_patches(
             (made.dimples, made.wanted, Some(made.range), made.most_share)
         }
         Asked::Maps(maps) => {
-            let made = maps.plate(&patches, walls, recipe.patch_lobes(), (&viewer, spread(&recipe)), progress)?;
+            let made =
+                maps.plate(&patches, walls, recipe.patch_lobes(), (&viewer, recipe.normal_spread()), progress)?;
             (made.dimples, made.wanted, None, made.most_share)
         }
     };
@@ -157,16 +157,11 @@ pub fn design_patches(
     Ok(product)
 }
 
-/// Standard deviation of the metal's normals along each axis, radians: a normal turns light by twice its own tilt.
-fn spread(recipe: &Recipe) -> f64 {
-    (0.5 * recipe.plate.lobe).to_radians()
-}
-
 fn viewer(recipe: &Recipe) -> Viewer {
     let middle = 0.5 * DVec2::from(recipe.plate.size);
     let eye = middle.extend(0.0) + recipe.viewer_distance() * recipe.viewer().direction();
     let setup = recipe.setup();
-    Viewer::new(recipe.metal(), spread(recipe), setup.light(), setup.light_radius(), eye)
+    Viewer::new(recipe.metal(), recipe.normal_spread(), setup.light(), setup.light_radius(), eye)
 }
 
 /// A camera at the viewer's place.
@@ -217,11 +212,7 @@ fn prove(product: &PatchProduct, clock: &mut Clock, progress: &Progress) -> Resu
     let Some(cutter) = recipe.design.sheet.cutter else { return Ok(PatchProof { settings, written, cut: None }) };
     progress.stage(Stage::Milling);
     let left = milled(patches, relief, cutter, progress)?;
-    let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
-    let [x, y] = left.relief.nodes;
-    let heights = left.relief.heights.iter().map(|z| f64::from(*z)).collect();
-    let grid = HeightGrid::new(lines(x, left.relief.step.x), lines(y, left.relief.step.y), heights, progress)?;
-    let surface = GridSurface::continuous(&grid, progress)?;
+    let surface = GridSurface::continuous(&left.relief.height_grid(progress)?, progress)?;
     let cut = judged(camera().on(&surface)?, &left.relief);
     clock.lap(Stage::Milling);
     Ok(PatchProof { settings, written, cut: Some((cut, left.most_left)) })

@@ -5,7 +5,6 @@ use std::f64::consts::SQRT_2;
 use glam::DVec3;
 
 use super::product::Product;
-use crate::brdf::microfacet::Lobe;
 use crate::export::scene_files::{Beam, Facing, LitPlate, MirrorPlate, Shown};
 use crate::lamp::Lamp;
 use crate::progress::{Cancelled, Progress};
@@ -27,9 +26,8 @@ impl Product {
             Some(Screen::Wall(wall)) => Shown::Wall(wall),
             Some(Screen::Endless(_)) | None => Shown::Far(setup, facing),
         };
-        // A tilt by t throws light 2t aside; below what counts as smooth it is a mirror.
-        let slope = 0.5 * self.recipe.plate.lobe.to_radians();
-        let roughness = Lobe::beckmann_of_rms(slope, slope).map_or(0.0, |_| SQRT_2 * slope);
+        // Below what counts as smooth it is a mirror.
+        let roughness = self.recipe.metal_lobe().map_or(0.0, |_| SQRT_2 * self.recipe.normal_spread());
         let plate = MirrorPlate {
             mesh: &self.design.mesh,
             area: self.design.relief.optical_area(),

@@ -16,7 +16,8 @@ const PLACES_A_RADIUS: f64 = 10.0;
 /// How far segments may lie beside those places, mm: a two-hundredth of the usual allowance.
 const CHORD: f64 = 5e-4;
 
-/// What is left over a rim, mm: chords, decimals and single precision may together go 2 µm too deep.
+/// What is left over a rim, mm. A chord may pass half a micrometre too low, decimals another half, and single precision
+/// some: more than the micrometre that a cut may pass below a plate.
 const RIM: f64 = 3e-3;
 
 /// Shortest segment where that can be helped, mm: at 3000 mm/min 100 lines a second.

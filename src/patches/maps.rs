@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::dimple::{Dimple, PatchLobe, Walls};
 use super::plate::Patches;
 use super::viewer::Viewer;
+use crate::golden::GOLDEN_ANGLE;
 use crate::progress::{Cancelled, Progress};
 use crate::raster::Raster;
 use crate::slope::Slope;
@@ -112,7 +113,7 @@ fn ideal(lobe: &PatchLobe, share: f64, viewer: &Viewer, spread: f64, place: DVec
     let Some(mirroring) = viewer.mirroring(place) else { return 0.0 };
     let scattered = |k: usize| {
         let distance = spread * (-2.0 * (1.0 - (k as f64 + 0.5) / SCATTERED as f64).ln()).sqrt();
-        Slope::from_vec(mirroring.to_vec() + DVec2::from_angle(2.399_963_229_728_653 * k as f64) * distance)
+        Slope::from_vec(mirroring.to_vec() + DVec2::from_angle(GOLDEN_ANGLE * k as f64) * distance)
     };
     let within = (0..SCATTERED).filter(|k| lobe.holds(scattered(*k))).count() as f64 / SCATTERED as f64;
     let (cosine, o) = (mirroring.normal().z, viewer.toward(place));

@@ -7,15 +7,13 @@ use crate::cutter::Cutter;
 use crate::progress::{Cancelled, Progress};
 use crate::relief::open::OpenRelief;
 use crate::relief::periodic::PeriodicRelief;
+use crate::sculpt::room::milling::MOST_PLACES;
 use crate::sculpt::tool::Tool;
 use crate::slope::Slope;
 
 /// Places of the cutter between two nodes, where the plate is not too large for it: 0.025 mm on nodes of 0.05 mm, a
 /// twentieth of a ball of 0.5 mm. Three of them took twice the memory and time.
 const BETWEEN_NODES: usize = 2;
-
-/// Places along a side at the most: 25 million of them take 100 MB a copy.
-const MOST: usize = 5000;
 
 /// A plate after the cutter.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +32,7 @@ pub fn milled(
     progress: &Progress,
 ) -> Result<MilledPatches, Cancelled> {
     let n = relief.nodes[0].max(relief.nodes[1]) - 1;
-    let finer = (MOST / n).clamp(1, BETWEEN_NODES);
+    let finer = (MOST_PLACES / n).clamp(1, BETWEEN_NODES);
     // One square cell, in which the plate lies at the lower left.
     let mut heights = vec![0.0f32; n * n];
     for (row, own) in heights.chunks_mut(n).zip(relief.heights.chunks(relief.nodes[0])) {

@@ -8,6 +8,8 @@ use glam::{DVec2, DVec3};
 
 use super::plate::Patches;
 use crate::brdf::material::Material;
+use crate::golden::GOLDEN_ANGLE;
+use crate::lamp::on_cap;
 use crate::projection::carried_axes;
 use crate::relief::height_grid::rises;
 use crate::slope::Slope;
@@ -38,14 +40,9 @@ impl Viewer {
     /// A distant lamp toward `light` with an angular radius of `radius` (radians), metal whose normals are spread by
     /// `spread` (standard deviation along each axis, radians) as `material` has them, and an eye at `eye` mm.
     pub fn new(material: Material, spread: f64, light: DVec3, radius: f64, eye: DVec3) -> Self {
-        let (right, up) = carried_axes(light);
         let part = |k: u32| {
             let share = (f64::from(k) + 0.5) / f64::from(LIGHTS);
-            // On a disc of unit vectors equal areas are equal shares of 1 - cos.
-            let cosine = 1.0 - share * (1.0 - radius.cos());
-            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let (y, x) = (f64::from(k) * std::f64::consts::PI * (3.0 - 5f64.sqrt())).sin_cos();
-            cosine * light + sine * (x * right + y * up)
+            on_cap(light, radius, share, f64::from(k) * GOLDEN_ANGLE)
         };
         let lights = if radius > 0.0 { (0..LIGHTS).map(part).collect() } else { vec![light] };
         // A half vector turns by half as much as the light.

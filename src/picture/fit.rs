@@ -198,17 +198,8 @@ fn bilinear(light: &Raster, x: f64, y: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Encoding, Picture, from_raster};
+    use super::super::{PLAIN, Picture, from_raster};
     use super::*;
-
-    const PLAIN: Reading = Reading {
-        encoding: Encoding::Auto,
-        invert: false,
-        rotate: 0.0,
-        fit: PictureFit::Pad,
-        aspect: None,
-        mirrored: false,
-    };
 
     fn read(light: &Raster, reading: Reading) -> Picture {
         from_raster(light.clone(), &reading).unwrap()

@@ -45,6 +45,8 @@ mod decode;
 
 mod pipe;
 
+mod opened;
+
 mod ink;
 
 mod light;
@@ -53,15 +55,16 @@ mod fit;
 
 mod values;
 
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
 use image::ImageReader;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use self::statement::srgb;
 pub use self::values::values;
 
+use self::opened::{opened, unreadable};
 use self::pixels::{Pixels, Samples, check_size};
 use crate::fence::fenced;
 use crate::memory::Need;
@@ -121,6 +124,17 @@ pub struct Reading {
     pub mirrored: bool,
 }
 
+/// Nothing asked for, for tests that ask for one thing.
+#[cfg(test)]
+const PLAIN: Reading = Reading {
+    encoding: Encoding::Auto,
+    invert: false,
+    rotate: 0.0,
+    fit: PictureFit::Pad,
+    aspect: None,
+    mirrored: false,
+};
+
 /// A highlight's drawing, ready for use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -141,24 +155,11 @@ pub fn read(path: &Path, reading: &Reading) -> Result<Picture, PictureError> {
         return read_from(&mut io::stdin().lock(), "standard input", reading);
     }
     let name = path.display().to_string();
-    let unreadable = |source: io::Error| match source.kind() {
-        io::ErrorKind::NotFound => PictureError::Missing { name: path.display().to_string() },
-        _ => PictureError::Unreadable { name: path.display().to_string(), source },
-    };
-    let about = path.metadata().map_err(unreadable)?;
-    // Checked before opening: a device can do anything.
-    if !about.is_file() && !pipe::is_pipe(&about) {
-        let found = if about.is_dir() { "a directory" } else { "a device" };
-        return Err(PictureError::NotAFile { name, found });
-    }
-    if !about.is_file() {
+    let unreadable = |source| unreadable(path, source);
+    if pipe::is_pipe(&path.metadata().map_err(unreadable)?) {
         return read_from(&mut pipe::open(path).map_err(unreadable)?, &name, reading);
     }
-    if about.len() > MAX_FILE {
-        return Err(PictureError::Heavy { name, megabytes: about.len() >> 20 });
-    }
-    let mut file = File::open(path).map_err(unreadable)?;
-    read_from(&mut file, &name, reading)
+    read_from(&mut opened(path)?, &name, reading)
 }
 
 /// Reads a picture from what may be endless.

@@ -1,9 +1,8 @@
 //! How often a highlight is repeated along x and y.
 
-use std::fmt;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use super::one_or_two;
 
 /// Cells along x and y. In a recipe, one number stands for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,42 +22,13 @@ impl From<usize> for Cells {
 
 impl Serialize for Cells {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
-            [x, y] if x == y => x.serialize(serializer),
-            both => both.serialize(serializer),
-        }
+        one_or_two::write(&self.0, serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Cells {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OneOrTwo;
-
-        impl<'de> Visitor<'de> for OneOrTwo {
-            type Value = Cells;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a whole number, or two such as [5, 3]")
-            }
-
-            fn visit_u64<E: Error>(self, both: u64) -> Result<Cells, E> {
-                usize::try_from(both).map(Cells::from).map_err(E::custom)
-            }
-
-            fn visit_i64<E: Error>(self, both: i64) -> Result<Cells, E> {
-                usize::try_from(both).map(Cells::from).map_err(E::custom)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Cells, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = sequence.next_element::<usize>()? {
-                    values.push(value);
-                }
-                values.try_into().map(Cells).map_err(|v: Vec<usize>| A::Error::invalid_length(v.len(), &self))
-            }
-        }
-
-        deserializer.deserialize_any(OneOrTwo)
+        one_or_two::read(deserializer, "a whole number, or two such as [5, 3]").map(Self)
     }
 }
 

@@ -146,9 +146,18 @@ impl Recipe {
     /// A tilt by t throws light 2t aside, so that their standard deviation is half the lobe's, and Beckmann's α is √2
     /// times that. Below [`Lobe::ALPHA`](crate::brdf::microfacet::Lobe::ALPHA), about 0.08°, it is smooth.
     pub fn metal(&self) -> Material {
-        let slope = 0.5 * self.plate.lobe.to_radians();
-        let lobe = Lobe::beckmann_of_rms(slope, slope).ok();
-        Material::new(Substance::Mirror, lobe).unwrap_or_default()
+        Material::new(Substance::Mirror, self.metal_lobe()).unwrap_or_default()
+    }
+
+    /// Its microscopic slopes, if it is not smooth.
+    pub(crate) fn metal_lobe(&self) -> Option<Lobe> {
+        let slope = self.normal_spread();
+        Lobe::beckmann_of_rms(slope, slope).ok()
+    }
+
+    /// Standard deviation of the metal's normals along each axis, radians: half of what they throw light aside.
+    pub fn normal_spread(&self) -> f64 {
+        0.5 * self.plate.lobe.to_radians()
     }
 
     /// Size of a facet, mm.

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use serde::de::{Deserializer, Error, SeqAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::one_or_two;
 use crate::projection::Projection;
 
 /// Angles from the picture's middle to its rims along x and y, degrees. In a recipe, one number stands for both.
@@ -40,46 +40,13 @@ impl fmt::Display for HalfField {
 
 impl Serialize for HalfField {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0 {
-            [x, y] if x == y => x.serialize(serializer),
-            both => both.serialize(serializer),
-        }
+        one_or_two::write(&self.0, serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for HalfField {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OneOrTwo;
-
-        impl<'de> Visitor<'de> for OneOrTwo {
-            type Value = HalfField;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("a number of degrees, or two such as [30.0, 18.0]")
-            }
-
-            fn visit_f64<E: Error>(self, both: f64) -> Result<HalfField, E> {
-                Ok(both.into())
-            }
-
-            fn visit_u64<E: Error>(self, both: u64) -> Result<HalfField, E> {
-                Ok((both as f64).into())
-            }
-
-            fn visit_i64<E: Error>(self, both: i64) -> Result<HalfField, E> {
-                Ok((both as f64).into())
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<HalfField, A::Error> {
-                let mut values = Vec::new();
-                while let Some(value) = sequence.next_element::<f64>()? {
-                    values.push(value);
-                }
-                values.try_into().map(HalfField).map_err(|v: Vec<f64>| A::Error::invalid_length(v.len(), &self))
-            }
-        }
-
-        deserializer.deserialize_any(OneOrTwo)
+        one_or_two::read(deserializer, "a number of degrees, or two such as [30.0, 18.0]").map(Self)
     }
 }
 

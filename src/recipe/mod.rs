@@ -2,6 +2,8 @@
 
 mod border_finish;
 
+mod one_or_two;
+
 mod cells;
 
 mod half_field;

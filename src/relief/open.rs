@@ -3,8 +3,9 @@
 use glam::{DVec2, DVec3};
 
 use super::faceted::{Facet, FacetedRelief};
-use super::height_grid;
+use super::height_grid::{self, HeightGrid};
 use super::periodic::PeriodicRelief;
+use crate::progress::{Cancelled, Progress};
 use crate::slope::Slope;
 
 /// Heights at all nodes of a plate, two triangles a square, cut along its higher diagonal as in [`PeriodicRelief`].
@@ -105,6 +106,17 @@ impl OpenRelief {
         let middle = 0.5 * step * DVec2::new((nodes[0] - 1) as f64, (nodes[1] - 1) as f64);
         let at = |k: usize| DVec2::new((k % nodes[0]) as f64, (k / nodes[0]) as f64) * step - middle;
         Self { nodes, step, heights: (0..nodes[0] * nodes[1]).map(|k| height(at(k)) as f32).collect() }
+    }
+
+    /// The same on grid lines.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn height_grid(&self, progress: &Progress) -> Result<HeightGrid, Cancelled> {
+        let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
+        let [nx, ny] = self.nodes;
+        let heights = self.heights.iter().map(|z| f64::from(*z)).collect();
+        HeightGrid::new(lines(nx, self.step.x), lines(ny, self.step.y), heights, progress)
     }
 
     /// Heights about their mean, so that the middle of the plate's mean height is 0.

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{Named, PictureFacts};
 use crate::recipe::Recipe;
+use crate::verify::patch_view::PatchScores;
 
 /// Everything that is known of a plate of patches.
 #[derive(Clone, Debug, Serialize)]
@@ -105,18 +106,9 @@ pub struct PatchStlFacts {
 /// How near a plate looks to what is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PatchScoreFacts {
-    /// Structural similarity, one pixel a patch; null with fewer than 11 patches along a side.
-    pub ssim: Option<f64>,
-    /// Share of light that is in another patch.
-    pub tv: f64,
-    /// Light of all patches over that of the wanted picture.
-    pub light: f64,
-    /// Standard error of a patch as a share of the brightest.
-    pub noise: f64,
-    /// Radiance that 99 % of the patches stay below.
-    pub bright: f64,
-    /// Radiance that 1 % of the patches stay below.
-    pub dark: f64,
+    /// The scores themselves, each a key of its own.
+    #[serde(flatten)]
+    pub scores: PatchScores,
     /// The most that the cutter leaves above the written surface, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_mm: Option<f64>,

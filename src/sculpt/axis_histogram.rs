@@ -7,6 +7,7 @@
 //! the end makes light of them, however long the strips were. Read backward, sums of the potential along each row are made
 //! first, and a strip reads them at its ends.
 
+use super::edge_slopes::added;
 use super::target::SlopeTarget;
 
 /// Where slopes fall along one axis.
@@ -257,10 +258,12 @@ pub(crate) struct StripEnd {
 }
 
 impl StripLight {
-    /// Adds another's.
-    pub(crate) fn add(&mut self, other: &Self) {
-        let sum = |to: &mut [f32], from: &[f32]| to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
-        sum(&mut self.light, &other.light);
-        self.differences.iter_mut().zip(&other.differences).for_each(|(to, from)| sum(to, from));
+    /// That of all bands together.
+    pub(crate) fn added(bands: &[Self]) -> Self {
+        let sum = |part: fn(&Self) -> &[f32]| {
+            let parts: Vec<&[f32]> = bands.iter().map(part).collect();
+            added(parts.first().map_or(0, |part| part.len()), &parts)
+        };
+        Self { light: sum(|band| &band.light), differences: [sum(|b| &b.differences[0]), sum(|b| &b.differences[1])] }
     }
 }

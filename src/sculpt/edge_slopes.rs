@@ -188,16 +188,21 @@ impl EdgeSlopes {
 
 /// The light of all bands, each as `splat` gives it in `bins` bins, added in their order whatever the threads.
 pub(crate) fn added_bands(bins: usize, splat: impl Fn(usize) -> Vec<f32> + Sync + Send) -> Vec<f32> {
-    /// Bins that a thread adds at a time.
-    const PIECE: usize = 1 << 13;
     let bands: Vec<Vec<f32>> = (0..BANDS).into_par_iter().map(splat).collect();
-    let mut light = vec![0.0f32; bins];
-    light.par_chunks_mut(PIECE).enumerate().for_each(|(k, piece)| {
-        for band in &bands {
-            piece.iter_mut().zip(&band[k * PIECE..]).for_each(|(sum, v)| *sum += v);
+    added(bins, &bands)
+}
+
+/// The sums, number by number, of all `bands` of so many numbers, added in their order whatever the threads.
+pub(crate) fn added<B: AsRef<[f32]> + Sync>(count: usize, bands: &[B]) -> Vec<f32> {
+    /// Numbers that a thread adds at a time.
+    const PIECE: usize = 1 << 13;
+    let mut sums = vec![0.0f32; count];
+    sums.par_chunks_mut(PIECE).enumerate().for_each(|(k, piece)| {
+        for band in bands {
+            piece.iter_mut().zip(&band.as_ref()[k * PIECE..]).for_each(|(sum, v)| *sum += v);
         }
     });
-    light
+    sums
 }
 
 #[cfg(test)]

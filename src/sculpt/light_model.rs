@@ -64,13 +64,8 @@ impl LightModel {
             }
             to
         };
-        // Added in their order whatever the threads.
         let bands: Vec<StripLight> = (0..BANDS).into_par_iter().map(splat).collect();
-        let whole = bands.into_iter().reduce(|mut sum, band| {
-            sum.add(&band);
-            sum
-        });
-        whole.map_or_else(Vec::new, |whole| bins.gathered(whole))
+        bins.gathered(StripLight::added(&bands))
     }
 
     fn splat_row(&self, row: &EdgeRow<'_>, places: &Places, light: &mut [f32]) {

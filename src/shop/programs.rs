@@ -11,6 +11,7 @@ use crate::gcode::dialect::Dialect;
 use crate::gcode::findings::NotGcode;
 use crate::gcode::read::read;
 use crate::gcode::write::{Cutting, WriteError, body, sealed};
+use crate::milling::machine::Machine;
 use crate::milling::made::Machining;
 use crate::milling::passes::Ways;
 use crate::milling::roughing::{Block, Roughing};
@@ -108,6 +109,11 @@ pub struct ShopFile {
 pub fn decimals(machining: &Machining) -> u32 {
     let fine = machining.cusp_height() < 1e-4;
     if fine { machining.machine.decimals.clamp(4, 6) } else { 4 }
+}
+
+/// The dialect that machines like `machine` mostly take.
+pub fn usual_dialect(machine: &Machine) -> Dialect {
+    if machine.name.starts_with("desktop") { Dialect::Grbl } else { Dialect::Iso }
 }
 
 /// How stock is roughed out with `cutter`, leaving `allowance` mm.

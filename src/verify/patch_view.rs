@@ -1,6 +1,7 @@
 //! A camera's picture of a plate of patches, averaged over each of them, beside the picture that is wanted.
 
 use glam::{DVec2, DVec3};
+use serde::Serialize;
 
 use super::camera::Camera;
 use super::render::{RenderedView, ViewSettings};
@@ -30,7 +31,7 @@ pub struct PatchView {
 }
 
 /// How near a plate looks to what is wanted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PatchScores {
     /// Structural similarity of the pictures of one pixel a patch, both in the same unit; `None` of plates with fewer than
     /// 11 patches along a side.
@@ -127,7 +128,6 @@ mod tests {
     use crate::patches::viewer::Viewer;
     use crate::progress::Progress;
     use crate::recipe::Recipe;
-    use crate::relief::height_grid::HeightGrid;
     use crate::relief::open::{NodeGrid, OpenRelief};
     use crate::trace::Surface;
     use crate::trace::grid::GridSurface;
@@ -135,10 +135,7 @@ mod tests {
     use crate::verify::render::render;
 
     fn seen(recipe: &Recipe, relief: &OpenRelief, patches: &Patches) -> PatchView {
-        let lines = |n: usize, step: f64| (0..n).map(|k| k as f64 * step).collect();
-        let [nx, ny] = relief.nodes;
-        let heights = relief.heights.iter().map(|z| f64::from(*z)).collect();
-        let grid = HeightGrid::new(lines(nx, relief.step.x), lines(ny, relief.step.y), heights, &Progress::silent());
+        let grid = relief.height_grid(&Progress::silent());
         let surface = GridSurface::continuous(&grid.unwrap(), &Progress::silent()).unwrap();
         let setup = recipe.setup();
         let lamp: Lamp = setup.lamp().into();

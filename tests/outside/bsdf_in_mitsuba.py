@@ -9,22 +9,17 @@ only rendered, its negative and undefined values are counted, and so are the war
 """
 
 import json
-import os
 import sys
 
-# Mitsuba's own choice of LLVM may be too old for its rough lobes: the referee's folder has a newer one.
-home = os.environ.get("REFEREE_HOME", os.path.expanduser("~/.cache/facetmill-referee"))
-library = os.path.join(home, "llvm/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1")
-if os.path.exists(library):
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", library)
+sys.dont_write_bytecode = True
+from mitsuba_here import ready
+
+mi = ready("llvm_ad_rgb")
 try:
     import drjit as dr
-    import mitsuba as mi
     import numpy as np
-    mi.set_variant("llvm_ad_rgb")
-    dr.eval(mi.Float(1) + 1)
-except Exception as missing:
-    print(f"missing: {missing}")
+except ImportError as missing:
+    print(f"missing: {missing.name}")
     sys.exit(3)
 
 

@@ -8,30 +8,20 @@ paths a pixel in each. Exit 3 if a package is missing.
 """
 
 import json
-import os
 import sys
 
 sys.dont_write_bytecode = True
-home = os.environ.get("REFEREE_HOME", os.path.expanduser("~/.cache/facetmill-referee"))
-llvm = os.path.join(home, "llvm/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1")
-if os.path.exists(llvm):
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", llvm)
+from mitsuba_here import ready
+
+scene_file, out_file = sys.argv[1:]
+wanted = json.load(open(scene_file))
+# A .bsdf file holds red, green and blue; here all the same.
+mi = ready("llvm_ad_rgb" if "bsdf" in wanted else "llvm_ad_mono")
 try:
-    import mitsuba as mi
     import numpy as np
     import trimesh
 except ImportError as missing:
     print(f"missing: {missing.name}")
-    sys.exit(3)
-
-scene_file, out_file = sys.argv[1:]
-wanted = json.load(open(scene_file))
-try:
-    # A .bsdf file holds red, green and blue; here all the same.
-    mi.set_variant("llvm_ad_rgb" if "bsdf" in wanted else "llvm_ad_mono")
-    mi.Float(1) + 1
-except Exception as why:  # No LLVM: the slow variant of the same program.
-    print(f"missing: a usable LLVM ({why})")
     sys.exit(3)
 
 if "bsdf" in wanted:

@@ -12,23 +12,15 @@ import os
 import sys
 
 sys.dont_write_bytecode = True
-home = os.environ.get("REFEREE_HOME", os.path.expanduser("~/.cache/facetmill-referee"))
-llvm = os.path.join(home, "llvm/usr/lib/x86_64-linux-gnu/libLLVM.so.19.1")
-if os.path.exists(llvm):
-    os.environ.setdefault("DRJIT_LIBLLVM_PATH", llvm)
+from mitsuba_here import ready
+
+mi = ready("llvm_ad_mono")
 try:
-    import mitsuba as mi
     import numpy as np
     from PIL import Image
     from scipy.ndimage import gaussian_filter
 except ImportError as missing:
     print(f"missing: {missing.name}")
-    sys.exit(3)
-try:
-    mi.set_variant("llvm_ad_mono")
-    mi.Float(1) + 1
-except Exception as why:
-    print(f"missing: a usable LLVM ({why})")
     sys.exit(3)
 
 folder, image, blur, flip, particles = sys.argv[1:]

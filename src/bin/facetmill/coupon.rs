@@ -7,16 +7,14 @@ use facetmill::coupon::photograph::DISTANCE;
 use facetmill::cutter::Cutter;
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::stl::write_stl;
-use facetmill::gcode::dialect::Dialect;
 use facetmill::job::exports;
 use facetmill::milling::made::Machining;
-use facetmill::milling::passes::Ways;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::report::coupon::CouponReport;
 use facetmill::report::text;
 use facetmill::shop::blank::Blank;
 use facetmill::shop::feeds::Spindle;
-use facetmill::shop::programs::{Shop, ShopFile, duration, usual_roughing};
+use facetmill::shop::programs::{Shop, ShopFile, duration, usual_dialect, usual_roughing};
 use facetmill::shop::sheet::Sheet;
 
 use crate::args::CouponArgs;
@@ -63,11 +61,11 @@ fn written(args: &CouponArgs, (name, output): (&str, &Path), run: &Run) -> Resul
     progress.stage(Stage::Programs);
     let solid = sheet_solid(&coupon.relief(), THICKNESS, 0.0, &progress);
     let mesh = solid.map_err(|error| Failure::Impossible(error.to_string()))?;
-    let small = machine.name.starts_with("desktop");
+    let dialect = args.dialect.unwrap_or_else(|| usual_dialect(&machine));
     let machining = Machining { machine, cutter: coupon.cutter, passes: coupon.passes(), polish: None, seed: 1 };
     let shop = Shop {
         machining,
-        dialect: args.dialect.unwrap_or(if small { Dialect::Grbl } else { Dialect::Iso }),
+        dialect,
         stock: args.material,
         spindle,
         blank: Blank::new(&mesh, 0.0, args.stock_over),
@@ -78,8 +76,7 @@ fn written(args: &CouponArgs, (name, output): (&str, &Path), run: &Run) -> Resul
     let machining = shop.finishing();
     machining.check(coupon.size()).map_err(|error| Failure::Impossible(error.to_string()))?;
     let tips = machining.tips(&mesh);
-    let steps = [machining.place(), machining.machine.quantum()];
-    let ways = Ways::along_x(&tips, (coupon.size(), coupon.widest()), &coupon.cuts(), steps, &progress)?;
+    let ways = coupon.ways(&machining, &tips, &progress)?;
     let files = shop.programs(&mesh, &tips, &ways, &progress)?;
     progress.stage(Stage::Files);
     let report = CouponReport::new(&coupon, &shop, &files, advice(&files));

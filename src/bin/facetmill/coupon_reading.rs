@@ -7,7 +7,7 @@ use facetmill::coupon::findings::Findings;
 use facetmill::coupon::layout::Coupon;
 use facetmill::coupon::{lines, photograph, scan};
 use facetmill::job::exports;
-use facetmill::memory::{MemoryLimit, Need};
+use facetmill::memory::Need;
 use facetmill::picture::Reading;
 use facetmill::raster::Raster;
 use facetmill::report::coupon::{CouponReading, FigureFacts};
@@ -69,11 +69,15 @@ pub fn read(args: &CouponArgs, run: &Run) -> Result<(), Failure> {
 /// What the files say, and how many lines across the passes were read.
 fn findings(args: &CouponArgs, coupon: &Coupon) -> Result<(Findings, usize), Failure> {
     let limit = args.running.memory();
+    let needs = |length: u64| {
+        let cure = "leave out points, or lines that are not asked for";
+        Need::new(BYTE * length as f64, "a scan of this length", cure)
+    };
     let (mut lines, mut photographs) = (Vec::new(), Vec::new());
     for file in &args.read {
         let name = file.display();
         if is_text(file)? {
-            let bytes = bytes(file, limit)?;
+            let bytes = inputs::bytes(file, limit, needs)?;
             lines.extend(scan::read(&bytes).map_err(|error| Failure::Input(format!("{name}: {error}")))?);
         } else {
             photographs.push((name, inputs::picture(file, &Reading::default(), limit)?.light));
@@ -122,22 +126,6 @@ fn coupon(folder: &Path) -> Result<Coupon, Failure> {
     }
     let text = inputs::text(&file, "test piece's file", FILE)?;
     Coupon::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", file.display())))
-}
-
-/// All of a scan.
-fn bytes(file: &Path, limit: MemoryLimit) -> Result<Vec<u8>, Failure> {
-    let name = file.display();
-    let opened = inputs::open(file)?;
-    let length = opened.metadata().map_or(0, |about| about.len());
-    limit.admit(Need::new(
-        BYTE * length as f64,
-        "a scan of this length",
-        "leave out points, or lines that are not asked for",
-    ))?;
-    let mut bytes = Vec::new();
-    let cannot = |error| Failure::Input(format!("{name}: the file cannot be read ({error}); check its permissions"));
-    opened.take(length.max(1)).read_to_end(&mut bytes).map_err(cannot)?;
-    Ok(bytes)
 }
 
 /// A figure with its error, or why there is none.

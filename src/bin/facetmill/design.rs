@@ -220,6 +220,6 @@ fn goal_beside(args: &DesignArgs, recipe: &Recipe, goal: &GoalSpec, file: Option
         return Err(Failure::Usage(format!("{what}: leave out one of the two")));
     }
     let named = goal.path().filter(|_| args.goal.is_none());
-    let beside = file.zip(named).map(|(file, named)| file.parent().unwrap_or(Path::new("")).join(named));
+    let beside = file.zip(named).map(|(file, named)| inputs::beside(file, named));
     Ok(beside.filter(|path| path.exists()).map_or_else(|| goal.clone(), |path| goal.with_path(path)))
 }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use facetmill::memory::MemoryLimit;
+use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::Machine;
 use facetmill::picture::{self, Picture, Reading};
 use facetmill::recipe::Recipe;
@@ -58,6 +58,23 @@ pub fn is_no_patches(recipe: &Recipe, name: &dyn std::fmt::Display) -> Result<()
     )))
 }
 
+/// Where a file is that is named in `file`, if it is beside that.
+pub fn beside(file: &Path, named: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).join(named)
+}
+
+/// All of the file at `path`, once the memory that it `needs` for so many bytes may be taken.
+pub fn bytes(path: &Path, limit: MemoryLimit, needs: impl Fn(u64) -> Need) -> Result<Vec<u8>, Failure> {
+    let name = path.display();
+    let opened = open(path)?;
+    let length = opened.metadata().map_or(0, |about| about.len());
+    limit.admit(needs(length))?;
+    let mut bytes = Vec::new();
+    let cannot = |error| Failure::Input(format!("{name}: the file cannot be read ({error}); check its permissions"));
+    opened.take(length.max(1)).read_to_end(&mut bytes).map_err(cannot)?;
+    Ok(bytes)
+}
+
 /// The picture that the recipe in `file` names: beside that file, else in the working folder.
 pub fn picture_of(recipe: &Recipe, file: &Path) -> Result<PathBuf, Failure> {
     let from = file.display();
@@ -65,7 +82,7 @@ pub fn picture_of(recipe: &Recipe, file: &Path) -> Result<PathBuf, Failure> {
     let Some(named) = recipe.picture_path() else {
         return Err(Failure::Input(format!("{from}: the recipe names no picture: give one on the command line")));
     };
-    let beside = file.parent().unwrap_or(Path::new("")).join(&named);
+    let beside = beside(file, &named);
     if beside.exists() {
         return Ok(beside);
     }

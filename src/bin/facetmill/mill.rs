@@ -6,7 +6,6 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use facetmill::cutter::Cutter;
 use facetmill::export::pixels::encode_png;
-use facetmill::gcode::dialect::Dialect;
 use facetmill::image::RgbImage;
 use facetmill::job::design::DesignError;
 use facetmill::job::findings::MadeProof;
@@ -23,7 +22,7 @@ use facetmill::report::mill::MillReport;
 use facetmill::report::text;
 use facetmill::shop::blank::Blank;
 use facetmill::shop::feeds::Spindle;
-use facetmill::shop::programs::{Shop, ShopError, ShopFile, usual_roughing};
+use facetmill::shop::programs::{Shop, ShopError, ShopFile, usual_dialect, usual_roughing};
 use facetmill::shop::sheet::Sheet;
 
 use crate::args::MillArgs;
@@ -227,8 +226,7 @@ fn check(args: &MillArgs) -> Result<(), Failure> {
 
 /// The shop that the flags say.
 fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> Result<Shop, Failure> {
-    let small = machining.machine.name.starts_with("desktop");
-    let dialect = args.dialect.unwrap_or(if small { Dialect::Grbl } else { Dialect::Iso });
+    let dialect = args.dialect.unwrap_or_else(|| usual_dialect(&machining.machine));
     let blank = Blank::new(&opened.mesh, margin, args.stock_over);
     let side = blank.size().truncate().min_element();
     // Half millimetres are what cutters are sold in.

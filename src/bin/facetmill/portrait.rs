@@ -18,7 +18,7 @@ use crate::files::{Place, Staged};
 use crate::inputs;
 use crate::interrupt::Run;
 use crate::stages::Stages;
-use crate::tables::{Row, percent, row, told};
+use crate::tables::{Row, percent, row, shown, told};
 
 impl From<PatchError> for Failure {
     fn from(error: PatchError) -> Self {
@@ -50,10 +50,10 @@ pub fn run(args: &DesignArgs, recipe: &Recipe, file: Option<&Path>, run: &Run) -
     let progress = Progress::new(&listen, &run.cancel);
     let made = design_patches(recipe, &asked, !args.no_verify, limit, &progress)?;
     let keep = &mut |name, content: facetmill::job::Content| Ok::<_, Failure>(staged.write(name, |out| content(out))?);
-    made.write(picture.as_ref(), keep, &progress)?;
+    let report = made.report(picture.as_ref());
+    made.write(&report, keep, &progress)?;
     staged.publish()?;
     stages.finish();
-    let report = made.report(picture.as_ref());
     tell(&args.running, &report, |report| Table {
         title: report.verdict.clone().unwrap_or_else(|| "Designed; nobody looked at it (--no-verify).".into()),
         rows: in_short(folder, report),
@@ -93,7 +93,7 @@ fn named(recipe: &Recipe) -> impl Iterator<Item = (&'static str, &str)> {
 
 /// The file beside the recipe's, if it is there.
 fn beside(name: &str, recipe: Option<&Path>) -> PathBuf {
-    let near = recipe.map(|recipe| recipe.parent().unwrap_or(Path::new("")).join(name));
+    let near = recipe.map(|recipe| inputs::beside(recipe, Path::new(name)));
     near.filter(|path| path.exists()).unwrap_or_else(|| name.into())
 }
 
@@ -143,22 +143,20 @@ fn in_short(folder: &Path, report: &PatchesReport) -> Vec<Row> {
     told_of.extend(report.designed.iter().map(|scores| looks("as written", scores)));
     told_of.extend(report.as_milled.iter().map(|scores| looks("as cut", scores)));
     let (triangles, megabytes) = (report.stl.triangles, report.stl.bytes as f64 / 1e6);
-    told_of.push(told(
-        "file",
-        format!("{}, {triangles} triangles, {megabytes:.1} MB", folder.join("plate.stl").display()),
-    ));
+    told_of
+        .push(told("file", format!("{}, {triangles} triangles, {megabytes:.1} MB", shown(&folder.join("plate.stl")))));
     let first = match (&report.as_milled, &report.designed) {
         (Some(_), _) => "comparison_milled.png",
         (None, Some(_)) => "comparison.png",
         (None, None) => "target.png",
     };
-    told_of.push(told("look", format!("at {} first; --verbose tells more", folder.join(first).display())));
+    told_of.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(first)))));
     told_of
 }
 
 fn looks(name: &str, scores: &PatchScoreFacts) -> Row {
-    let likeness = scores.ssim.map(|ssim| format!("likeness {ssim:.3}, ")).unwrap_or_default();
-    told(name, format!("{likeness}{} of the light in other patches", percent(scores.tv)))
+    let likeness = scores.scores.ssim.map(|ssim| format!("likeness {ssim:.3}, ")).unwrap_or_default();
+    told(name, format!("{likeness}{} of the light in other patches", percent(scores.scores.tv)))
 }
 
 fn more(report: &PatchesReport) -> Vec<Row> {
@@ -190,10 +188,10 @@ fn more(report: &PatchesReport) -> Vec<Row> {
     );
     for (name, scores) in [("as written", &report.designed), ("as cut", &report.as_milled)] {
         if let Some(scores) = scores {
-            rows.push(row(name, format!("{:.4}", scores.light), "light of all patches over the wanted"));
+            rows.push(row(name, format!("{:.4}", scores.scores.light), "light of all patches over the wanted"));
             rows.push(row(
                 "noise",
-                percent(scores.noise),
+                percent(scores.scores.noise),
                 format!("of white, of one patch; {} paths a pixel", scores.paths_a_pixel),
             ));
             rows.extend(scores.left_mm.map(|left| row("left", format!("{left:.4} mm"), "by the cutter at the most")));

@@ -1,6 +1,5 @@
 //! `facetmill mill --check`: a program of any origin, judged against a plate.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use facetmill::cutter::Cutter;
@@ -115,13 +114,8 @@ pub fn run(args: &MillArgs, file: &Path, run: &Run) -> Result<(), Failure> {
 
 /// The program's bytes, and what flags, its heading and the recipe say of it, in this order.
 fn given(args: &MillArgs, file: &Path, recipe: &Recipe, limit: MemoryLimit) -> Result<Given, Failure> {
-    let name = file.display();
-    let opened = inputs::open(file)?;
-    let length = opened.metadata().map_or(0, |about| about.len());
-    limit.admit(Need::new(read::bytes_for(length), "a program of this length", "cut the program into parts"))?;
-    let mut bytes = Vec::new();
-    let cannot = |error| Failure::Input(format!("{name}: the file cannot be read ({error}); check its permissions"));
-    opened.take(length.max(1)).read_to_end(&mut bytes).map_err(cannot)?;
+    let needs = |length| Need::new(read::bytes_for(length), "a program of this length", "cut the program into parts");
+    let bytes = inputs::bytes(file, limit, needs)?;
     let (tool, control, play) = said_of_itself(&bytes);
     let sheet = &recipe.design.sheet;
     let cutter = args.cutter.or(tool).or(sheet.cutter).ok_or_else(|| {

@@ -9,47 +9,53 @@ const FOCUSED: f64 = 0.05;
 
 /// The light on a wall nearby, and where that may stand.
 pub fn on_wall_in_short(facts: &OnWallFacts) -> Vec<Row> {
-    let shown = [("on the wall", "wall"), ("  as milled", "as milled"), ("in focus", "in focus")];
-    let of_name = |[name, value, meaning]: Row| {
-        let (_, short) = shown.iter().find(|(long, _)| *long == name)?;
-        Some(told(short, format!("{value} {meaning}")))
+    let in_a_line = |short: &str, [_, value, meaning]: Row| told(short, format!("{value} {meaning}"));
+    let mut rows = vec![in_a_line("wall", light("on the wall", facts, &facts.designed))];
+    rows.extend(facts.as_milled.iter().map(|milled| in_a_line("as milled", light("  as milled", facts, milled))));
+    rows.extend(in_focus(facts).map(|row| in_a_line("in focus", row)));
+    rows
+}
+
+fn metres(mm: f64) -> String {
+    format!("{:.2} m", 1e-3 * mm)
+}
+
+/// What an eye sees of the light on the wall.
+fn light(name: &str, facts: &OnWallFacts, scores: &WallScores) -> Row {
+    let figure = |name: &str| scores.tv_incident.get(name).unwrap_or(f64::NAN);
+    let meaning = format!(
+        "misplaced on the wall at a blur of 0.5°; {} to an eye {} away, likeness {:.3}",
+        percent(figure("eye")),
+        metres(facts.eye_distance_mm),
+        scores.ssim.get("eye").unwrap_or(f64::NAN)
+    );
+    row(name, percent(figure("0.5deg")), meaning)
+}
+
+/// Where the wall may stand; none for a picture that is not there, which is in focus nowhere.
+fn in_focus(facts: &OnWallFacts) -> Option<Row> {
+    let limit = facts.in_focus_tv.filter(|limit| *limit <= FOCUSED)?;
+    let [nearest, farthest] = facts.in_focus_mm?;
+    let ends = match (nearest.map(metres), farthest.map(metres)) {
+        (Some(near), Some(far)) => format!("{near} to {far}"),
+        (Some(near), None) => format!("{near} or more"),
+        (None, Some(far)) => format!("up to {far}"),
+        (None, None) => "anywhere".into(),
     };
-    on_wall(facts).into_iter().filter_map(of_name).collect()
+    let meaning = format!("where the wall may stand, the lamp as it is: up to {} misplaced", percent(limit));
+    Some(row("in focus", ends, meaning))
 }
 
 /// A plate in its room.
 pub fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
-    let metres = |mm: f64| format!("{:.2} m", 1e-3 * mm);
-    let figure = |scores: &WallScores, name: &str| scores.tv_incident.get(name).unwrap_or(f64::NAN);
-    let likeness = |scores: &WallScores| scores.ssim.get("eye").unwrap_or(f64::NAN);
     let mut table = vec![
         row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
         row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
+        light("on the wall", facts, &facts.designed),
     ];
-    let mut scores = |name: &str, scores: &WallScores| {
-        let eye = percent(figure(scores, "eye"));
-        let meaning = format!(
-            "misplaced on the wall at a blur of 0.5°; {eye} to an eye {} away, likeness {:.3}",
-            metres(facts.eye_distance_mm),
-            likeness(scores)
-        );
-        table.push(row(name, percent(figure(scores, "0.5deg")), meaning));
-    };
-    scores("on the wall", &facts.designed);
-    facts.as_milled.iter().for_each(|milled| scores("  as milled", milled));
+    table.extend(facts.as_milled.iter().map(|milled| light("  as milled", facts, milled)));
     table.push(row("grain", percent(facts.designed.grain), "of the drawing's light, seen by that eye and not at 0.5°"));
-    // A picture that is not there is in focus nowhere.
-    let in_focus = facts.in_focus_tv.filter(|limit| *limit <= FOCUSED);
-    if let (Some([nearest, farthest]), Some(limit)) = (facts.in_focus_mm, in_focus) {
-        let ends = match (nearest.map(metres), farthest.map(metres)) {
-            (Some(near), Some(far)) => format!("{near} to {far}"),
-            (Some(near), None) => format!("{near} or more"),
-            (None, Some(far)) => format!("up to {far}"),
-            (None, None) => "anywhere".into(),
-        };
-        let meaning = format!("where the wall may stand, the lamp as it is: up to {} misplaced", percent(limit));
-        table.push(row("in focus", ends, meaning));
-    }
+    table.extend(in_focus(facts));
     if let Some(sun) = &facts.under_sun {
         let meaning = format!("the wall that is sharp under the sun; {} misplaced there", percent(sun.tv));
         table.push(row("under the sun", metres(sun.wall_mm), meaning));

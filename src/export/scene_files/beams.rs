@@ -11,7 +11,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use super::MirrorPlate;
 use crate::export::ply::write_ply;
 use crate::golden::golden;
-use crate::lamp::{Extent, Lamp, LocalLight};
+use crate::lamp::{Extent, Lamp, LocalLight, on_cap};
 use crate::projection::carried_axes;
 use crate::relief::mesh::Mesh;
 
@@ -126,15 +126,10 @@ fn corners(plate: &MirrorPlate) -> [DVec3; 8] {
 
 /// Unit vectors toward a lamp, even over it: one of a point, else `count`.
 fn directions(light: &LocalLight, count: usize) -> Vec<DVec3> {
-    let (e1, e2) = carried_axes(light.direction);
     match &*light.extent {
         Extent::Point => vec![light.direction],
         Extent::Disc { radius } => (0..count)
-            .map(|k| {
-                let cosine = 1.0 - (k as f64 + 0.5) / count as f64 * (1.0 - radius.cos());
-                let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * golden(k));
-                cosine * light.direction + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
-            })
+            .map(|k| on_cap(light.direction, *radius, (k as f64 + 0.5) / count as f64, TAU * golden(k)))
             .collect(),
         Extent::Picture(_) => {
             let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
@@ -181,9 +176,6 @@ fn sheet(light: &LocalLight, plate: &MirrorPlate) -> Mesh {
 
 /// The `k`-th of a sequence of which any run fills a disc of angular `radius` (radians) evenly.
 fn on_disc(middle: DVec3, radius: f64, k: f64) -> DVec3 {
-    let (e1, e2) = carried_axes(middle);
     let [share, turn] = [k / PLASTIC, k / PLASTIC.powi(2)].map(f64::fract);
-    let cosine = 1.0 - share * (1.0 - radius.cos());
-    let (sine, azimuth) = ((1.0 - cosine * cosine).max(0.0).sqrt(), TAU * turn);
-    cosine * middle + sine * (azimuth.cos() * e1 + azimuth.sin() * e2)
+    on_cap(middle, radius, share, TAU * turn)
 }

@@ -39,38 +39,29 @@ pub const MEASURE: &[&str] = &[
     "report.json",
 ];
 
+/// The programs of a machine, whatever its control, and the files beside them.
+macro_rules! with_programs {
+    ($($name:literal),+) => {
+        &[
+            "air-cut.nc",
+            "air-cut.ngc",
+            "air-cut.tap",
+            "roughing.nc",
+            "roughing.ngc",
+            "roughing.tap",
+            "finishing.nc",
+            "finishing.ngc",
+            "finishing.tap",
+            $($name),+
+        ]
+    };
+}
+
 /// Every file that `mill` may write.
-pub const MILL: &[&str] = &[
-    "air-cut.nc",
-    "air-cut.ngc",
-    "air-cut.tap",
-    "roughing.nc",
-    "roughing.ngc",
-    "roughing.tap",
-    "finishing.nc",
-    "finishing.ngc",
-    "finishing.tap",
-    "comparison_made.png",
-    "setup.html",
-    "report.json",
-];
+pub const MILL: &[&str] = with_programs!("comparison_made.png", "setup.html", "report.json");
 
 /// Every file that `coupon` may write.
-pub const COUPON: &[&str] = &[
-    "coupon.toml",
-    "plate.stl",
-    "air-cut.nc",
-    "air-cut.ngc",
-    "air-cut.tap",
-    "roughing.nc",
-    "roughing.ngc",
-    "roughing.tap",
-    "finishing.nc",
-    "finishing.ngc",
-    "finishing.tap",
-    "setup.html",
-    "report.json",
-];
+pub const COUPON: &[&str] = with_programs!("coupon.toml", "plate.stl", "setup.html", "report.json");
 
 /// Every file that `coupon --read` may write.
 pub const COUPON_READ: &[&str] = &["machine.toml", "report.json"];

@@ -1,5 +1,5 @@
 use super::super::statement::{of_gamma, srgb};
-use super::super::{PictureFit, from_raster};
+use super::super::{PLAIN, from_raster};
 use super::*;
 
 fn pixels(channels: usize, samples: Samples) -> Pixels {
@@ -15,14 +15,7 @@ fn near(a: &[f64], b: &[f64]) {
     assert!(a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
 }
 
-const AUTO: Reading = Reading {
-    encoding: Encoding::Auto,
-    invert: false,
-    rotate: 0.0,
-    fit: PictureFit::Pad,
-    aspect: None,
-    mirrored: false,
-};
+const AUTO: Reading = PLAIN;
 const LINEAR: Reading = Reading { encoding: Encoding::Linear, ..AUTO };
 const SRGB: Reading = Reading { encoding: Encoding::Srgb, ..AUTO };
 const INVERT: Reading = Reading { invert: true, ..AUTO };

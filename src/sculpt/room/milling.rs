@@ -11,7 +11,7 @@ use crate::slope::Slope;
 use super::plate_grid::PlateGrid;
 
 /// Places along a side at the most: 25 million of them take 100 MB a copy.
-const MOST: usize = 5000;
+pub(crate) const MOST_PLACES: usize = 5000;
 
 /// A relief is nowhere steeper than this; the edge of the plate is.
 const CLIFF: f64 = 20.0;
@@ -41,7 +41,7 @@ impl MilledPlate {
 /// A cutter over the places on which plates are proved, 50 across it, on the lattice of `grid`.
 pub fn usual_tool(grid: &PlateGrid, cutter: Cutter) -> Tool {
     let places = (grid.lattice.cell().max_element() * PLACES_ACROSS_CUTTER / cutter.diameter()).ceil() as usize;
-    Tool { cutter, places: places.next_multiple_of(2).clamp(16, MOST) }
+    Tool { cutter, places: places.next_multiple_of(2).clamp(16, MOST_PLACES) }
 }
 
 /// What `tool` leaves of heights `z` of the lattice of `grid`.
