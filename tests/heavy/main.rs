@@ -44,7 +44,7 @@ fn facets_are_made_where_the_kind_is_open_and_they_are_better() {
     let stl = |name: &str| fs::read(home.path().join(name).join("plate.stl")).unwrap();
     assert!(stl("open") == stl("again"));
     // Who asks for the relief gets it.
-    let told = run_line(home.path(), &format!("{line} -o asked --surface continuous --grid 64"));
+    let told = run_line(home.path(), &format!("{line} -o asked --surface continuous --grid 32"));
     assert_done(&told);
     assert!(told.told().contains("Note: Flat facets would do better, since 30x30"), "{}", told.stdout);
 }
