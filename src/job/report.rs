@@ -81,6 +81,9 @@ fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
     if let Some(made) = &proof.made {
         return in_a_sentence(&made.verdict, &format!("As {}", made.how()));
     }
+    if recipe.design.sheet.preview {
+        return in_a_sentence(&proof.verdict, "A preview, no plate to be made");
+    }
     match (&proof.milled, recipe.design.sheet.cutter) {
         (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("Cut by {cutter}")),
         (Some(milled), None) => in_a_sentence(&milled.verdict, "Polished"),
@@ -143,6 +146,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
     let relief = &sheet.relief;
     SheetFacts {
         grid: relief.nodes,
+        preview: recipe.design.sheet.preview,
         cells: relief.cells,
         cell_mm: relief.cell.to_array(),
         cutter: recipe.design.sheet.cutter,
