@@ -361,6 +361,36 @@ def portraits():
             f"{cut['ssim']:.3f} {cut['tv']:.3f}", f"{said['cpu_seconds']['total']:.0f} CPU s")  # fmt: skip
 
 
+# Designs as different as they come, and what a dry run is to say of each within a factor of 1.5.
+ESTIMATED = [
+    ("ring", "--surface facets"),
+    ("spiral", "--half-field 45 --facets 30x30 --method weyrich2009"),
+    ("ring", ""),
+    ("portrait", "--for-cutter ball:0.5 --no-verify"),
+    ("portrait", "--for-cutter ball:1"),
+    ("ring", "--cells 1 --grid 400 --no-verify"),
+    ("ring", "--grid 128 --for-cutter ball:1 --machine vmc --stepover 0.05"),
+    ("ring", "--lamp-distance 400 --wall 500 --near base --grid 64"),
+    ("ring", "--lamp-distance 400 --wall 500 --near warp --grid 128"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 64"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 128 --no-verify"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 64 --for-cutter ball:1"),
+]
+
+
+@group
+def estimates():
+    """Dry runs: speed of the machine, CPU seconds told and taken, and how many times as many were told."""
+    for picture, flags in ESTIMATED:
+        told = report(picture, f"{flags} --dry-run")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        report(picture, flags)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        taken = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        about = sum(seconds for key, seconds in told.items() if key.endswith("cpu_seconds_about"))
+        row(f"{picture} {flags:78}", f"speed {told['machine_speed']:.2f}", f"{about:.1f}", f"{taken:.1f}", f"{about / taken:.2f}")
+
+
 def main(names):
     if names == ["--list"]:
         for name, function in GROUPS.items():
