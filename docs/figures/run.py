@@ -217,7 +217,8 @@ def both_kinds():
     for picture in ["photograph", "portrait", "letter", "star", "spiral", "ring", "word"]:
         said = report(picture, "--for-cutter ball:0.5")
         bare = report(picture, "")
-        facets = [of["beside_facets"]["tv_incident_1deg"]["flat"] for of in (bare, said)]
+        flat = report(picture, "--surface flat --for-cutter ball:0.5")
+        facets = [tv(flat["designed"]), tv(flat["as_milled"])]
         row(
             f"{picture:10}",
             f"designed: facets {facets[0]:.4f}, sheet {tv(bare['designed']):.4f}",
