@@ -52,6 +52,8 @@ pub mod exports;
 
 pub mod patches;
 
+pub mod patch_check;
+
 mod patch_report;
 
 pub mod plan;

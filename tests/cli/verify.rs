@@ -10,6 +10,7 @@ use facetmill::relief::placement::{Axis, faces_turned, scaled, upright};
 use serde_json::Value;
 
 use crate::program::{facetmill, finish, home, listing, run_line};
+use crate::reports::assert_published;
 use crate::{assert_done, assert_refused, json};
 
 const PLATE: &str = "design ring.png -o ring --facets 16x16 --rays 100000 --half-field 15";
@@ -211,4 +212,43 @@ fn a_picture_comes_through_a_pipe() {
     assert_done(&run_line(home.path(), "design ring.png -o named --facets 6x6 --no-verify"));
     let plate = |folder: &str| fs::read(home.path().join(folder).join("plate.stl")).unwrap();
     assert!(plate("piped") == plate("named"));
+}
+
+#[test]
+fn a_goals_folder_is_proved_again_from_every_side_as_designed_and_as_cut() {
+    let home = home();
+    fs::create_dir(home.path().join("made")).unwrap();
+    let line = "design --goal ndf:ring.png,20 -o made/plate --facets 10x10 --rays 20000 --for-cutter ball:1 --verbose";
+    let told = run_line(home.path(), line);
+    assert_done(&told);
+    assert!(told.told().contains("Cut by ball:1, the plate misplaces") && told.told().contains("as milled"), "{told:?}");
+    let designed = json(home.path().join("made/plate/report.json"));
+    let done = run_line(home.path(), "verify made/plate --rays 20000 --at-most 0.9 -o proof --json");
+    assert_done(&done);
+    let report: Value = serde_json::from_str(&done.stdout).unwrap();
+    assert_published(&report, "VerifyReport");
+    assert!((tv(&report, "measured") - tv(&designed, "designed")).abs() < 0.01, "{report}");
+    assert_eq!(report["at_most"]["as_milled"], true);
+    assert_eq!(report["highlight"]["half-field"], designed["recipe"]["highlight"]["half-field"]);
+    let slices = |goal: &Value| goal["slices"].as_array().unwrap().clone();
+    let apart = |a: &Value, b: &Value| (a["tv_1deg"]["value"].as_f64().unwrap() - b["tv_1deg"]["value"].as_f64().unwrap()).abs();
+    for (again, first) in [
+        (slices(&report["goal"]), slices(&designed["goal"])),
+        (slices(&report["goal"]["as_milled"]), slices(&designed["goal"]["as_milled"])),
+    ] {
+        assert!(again.len() >= 5 && again.len() == first.len());
+        for (a, b) in again.iter().zip(&first) {
+            assert!(apart(a, b) < 0.01 && a["mirrors_cannot"] == b["mirrors_cannot"], "{a} {b}");
+        }
+    }
+    // A ball of 1 mm rounds the foot of every wall: what it leaves is not what was designed.
+    let goal = &designed["goal"];
+    let other = slices(goal).iter().zip(&slices(&goal["as_milled"])).map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
+    assert!(other > 0.02, "{goal}");
+    assert!(home.path().join("proof/goal.png").exists());
+    let beyond = run_line(home.path(), "verify made/plate --rays 20000 --at-most 0.001");
+    assert!(beyond.code == Some(1) && beyond.stderr.contains("as milled"), "{beyond:?}");
+    assert_refused(&run_line(home.path(), "verify made/plate --wall 500"), 2, &["goal", "--against"]);
+    fs::rename(home.path().join("ring.png"), home.path().join("gone.png")).unwrap();
+    assert_refused(&run_line(home.path(), "verify made/plate"), 3, &["the goal's file ring.png"]);
 }
