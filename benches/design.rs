@@ -15,7 +15,10 @@ use facetmill::facets::arrange::transport;
 use facetmill::facets::heights::LeastSquares;
 use facetmill::facets::sample::equal_mass::equal_mass_centres;
 use facetmill::facets::sample::refine::refined;
+use facetmill::job::preview::preview;
+use facetmill::picture::read;
 use facetmill::progress::Progress;
+use facetmill::recipe::Recipe;
 use glam::DVec2;
 
 fn sampling(c: &mut Criterion) {
@@ -78,9 +81,22 @@ fn raising(c: &mut Criterion) {
     group.bench_function("solid/90000", |b| b.iter(|| solid(black_box(&relief), 5.0, &Progress::silent())));
 }
 
+/// A preview of a portrait, and one of the same under a lamp moved by a degree that goes on from it.
+fn previewing(c: &mut Criterion) {
+    let mut recipe = Recipe::default();
+    let light = read("examples/highlights/portrait.png".as_ref(), &recipe.reading()).map(|picture| picture.light);
+    let Ok(light) = light else { return };
+    let mut group = c.benchmark_group("preview");
+    let silent = Progress::silent();
+    let Ok(cold) = preview(&recipe, &light, None, &silent) else { return };
+    group.bench_function("cold", |b| b.iter(|| preview(black_box(&recipe), &light, None, &silent)));
+    recipe.light.theta += 1.0;
+    group.bench_function("warm", |b| b.iter(|| preview(black_box(&recipe), &light, Some(&cold), &silent)));
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
-    targets = sampling, arrangement, raising
+    targets = sampling, arrangement, raising, previewing
 }
 criterion_main!(benches);

@@ -185,6 +185,11 @@ pub(super) fn facets_are_better(recipe: &Recipe, design: &Design, comparison: &F
     format!("Flat facets would do better, since {figures}: {first}take --surface flat.")
 }
 
+/// What a preview is not.
+pub(super) fn no_plate() -> String {
+    "A preview is no plate to be made: leave out --preview for one that is.".into()
+}
+
 /// What mirrors leave out of a goal, if it is worth telling.
 pub(super) fn about_base(goal: &GoalFacts) -> Option<String> {
     let share = 100.0 * goal.left_out;

@@ -139,7 +139,7 @@ pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavo
 }
 
 /// The light that is to be sent, sharpened if lamp or metal blur it, if most of it lies above the plate.
-fn wanted(
+pub(super) fn wanted(
     recipe: &Recipe,
     light: &Raster,
     setup: &Setup,

@@ -16,7 +16,8 @@ use crate::slope::{direction, polar_angle};
 use crate::trace::traced_plate::TracedPlate;
 use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
-use crate::verify::score::{blurred, blurred_scores};
+use crate::verify::score::blurred;
+use crate::verify::tally::Tally;
 use crate::verify::verdict::{Figure, MAIN_BLUR};
 
 /// Polar angles of the light at which a plate is set against its goal, degrees from the plate's normal.
@@ -107,7 +108,7 @@ pub fn prove_goal(
                     values: through(raster, azimuth),
                     dashed,
                 };
-                proof.curves.extend([side(&seen.plate, false), side(&light.wanted_seen(), true)]);
+                proof.curves.extend([side(&seen.plate, false), side(&light.wanted.clone().scaled(light.albedo), true)]);
             }
             progress.check()?;
         }
@@ -124,7 +125,8 @@ pub fn prove_goal(
 /// A goal under one lamp.
 struct Lit {
     light: DVec3,
-    /// f_r cosθ dω of every pixel of the hemisphere.
+    albedo: f64,
+    /// Share of the goal's light in every pixel of the hemisphere, blurred.
     wanted: Raster,
     /// The same of mirrors that make the goal's slice at the design's lamp.
     mirrors: Raster,
@@ -137,47 +139,53 @@ struct Compared {
     plate: Raster,
 }
 
+/// Every pixel's share of all light, seen through the blur; without light as it is.
+fn seen(light: &Raster) -> Raster {
+    let shares = if light.sum() > 0.0 { light.clone().normalised() } else { light.clone() };
+    blurred(&shares, &hemisphere_view(), MAIN_BLUR.to_radians())
+}
+
+/// Share of light that lies elsewhere in one image than in the other: all of it if one is dark.
+fn apart(one: &Raster, other: &Raster) -> f64 {
+    if one.sum() <= 0.0 || other.sum() <= 0.0 {
+        return 1.0;
+    }
+    0.5 * one.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).sum::<f64>()
+}
+
 impl Lit {
     fn new(goal: &Goal, designed: &Setup, light: DVec3) -> Self {
-        let (wanted, mirrors) = (goal.hemisphere(light, SIDE), goal.mirrored(designed, light, SIDE));
-        Self { light, wanted, mirrors }
-    }
-
-    /// The goal as it is seen, blurred.
-    fn wanted_seen(&self) -> Raster {
-        blurred(&self.wanted, &hemisphere_view(), MAIN_BLUR.to_radians())
+        let wanted = goal.hemisphere(light, SIDE);
+        let mirrors = seen(&goal.mirrored(designed, light, SIDE));
+        Self { light, albedo: wanted.sum(), wanted: seen(&wanted), mirrors }
     }
 
     fn compared(&self, recipe: &Recipe, plate: &TracedPlate, progress: &Progress) -> Result<Compared, DesignError> {
-        let (theta, phi) = (polar_angle(self.light), self.light.y.atan2(self.light.x));
-        let setup = Setup::watched(theta, phi, hemisphere_view());
+        let Self { light, albedo, wanted, mirrors } = self;
+        let setup = Setup::watched(polar_angle(*light), light.y.atan2(light.x), hemisphere_view());
         let measuring = Measuring { resolution: SIDE, ..recipe.measuring() };
         let metal = recipe.metal();
         let hushed = progress.hushed();
         let task = Mirrored { setup: &setup, metal: &metal, measuring: &measuring, progress: &hushed };
         let measured = plate.run(task)?;
         progress.check()?;
-        let view = hemisphere_view();
-        let apart = |image: &Raster, target: &Raster| {
-            let scores = blurred_scores(image, 1.0, &target.clone().normalised(), &view, MAIN_BLUR.to_radians());
-            scores.map_or(1.0, |scores| scores.tv)
+        let beside = |tally: &Tally| {
+            let seen = seen(&tally.share_image());
+            [apart(&seen, wanted), apart(&seen, mirrors)]
         };
-        let against = |target: &Raster| {
-            let error = measured.standard_errors(|tally| [apart(&tally.share_image(), target)]);
-            Figure { value: apart(&measured.whole.share_image(), target), error: error[0] }
-        };
+        let (values, errors) = (beside(&measured.whole), measured.standard_errors(beside));
+        let [tv_1deg, rest] = [0, 1].map(|k| Figure { value: values[k], error: errors[k] });
         let up = measured.whole.up();
         let facts = GoalSlice {
             theta: 0.0,
             phi: 0.0,
-            tv_1deg: against(&self.wanted),
-            mirrors_cannot: apart(&self.mirrors, &self.wanted),
-            rest: against(&self.mirrors),
-            albedo_goal: self.wanted.sum(),
+            tv_1deg,
+            mirrors_cannot: apart(mirrors, wanted),
+            rest,
+            albedo_goal: *albedo,
             albedo_plate: up,
         };
-        let seen = blurred(&measured.whole.share_image().scaled(up), &view, MAIN_BLUR.to_radians());
-        Ok(Compared { facts, plate: seen })
+        Ok(Compared { facts, plate: seen(&measured.whole.share_image()).scaled(up) })
     }
 }
 

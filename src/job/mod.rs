@@ -26,6 +26,8 @@ pub mod made;
 
 pub mod swept;
 
+pub mod preview;
+
 pub mod compare;
 
 pub mod memory;
@@ -69,6 +71,7 @@ use crate::sculpt::checkpoint::Checkpoint;
 use compare::{beside_facets, of_facets};
 use design::{DesignError, OnStep, design, design_with_checkpoints};
 use made::made_by_machine;
+use preview::previewed;
 use proof::prove;
 
 /// What is to be done.
@@ -138,6 +141,10 @@ impl Job<'_> {
         let recipe = self.recipe.clone();
         if !self.proved {
             return Ok(Product { recipe, design: made, proof: None, comparison: None, goal: None });
+        }
+        if recipe.design.sheet.preview {
+            let proof = previewed(&recipe, light, &made, progress)?;
+            return Ok(Product { recipe, design: made, proof, comparison: None, goal: None });
         }
         let mut proof = prove(&recipe, light, &made, progress)?;
         let comparison = beside_facets(&recipe, light, &made, &proof, progress)?;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::advice::{about_base, about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs};
+use super::advice::{about_base, about_rim, advice, facets_are_better, lamp_in_the_beam, mean_slope_costs, no_plate};
 use super::compare::FacetComparison;
 use super::design::Design;
 use super::findings::{MadeProof, MilledProof, Proof, SheetProof};
@@ -43,6 +43,7 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
     said.extend(proof.as_ref().and_then(|proof| about_rim(recipe, proof.rim.as_ref()?)));
     said.extend(proof.as_ref().and_then(|proof| lamp_in_the_beam(proof.wall.as_ref()?)));
     said.extend(comparison.filter(|c| c.facets_are_better()).map(|c| facets_are_better(recipe, design, &c)));
+    said.extend(recipe.design.sheet.preview.then(no_plate));
     said.extend(product.goal.as_ref().and_then(|goal| about_base(&goal.facts)));
     DesignReport {
         program: PROGRAM,
@@ -80,6 +81,9 @@ fn report(product: &Product, picture: &Picture) -> DesignReport {
 fn one_sentence(recipe: &Recipe, proof: &Proof) -> String {
     if let Some(made) = &proof.made {
         return in_a_sentence(&made.verdict, &format!("As {}", made.how()));
+    }
+    if recipe.design.sheet.preview {
+        return in_a_sentence(&proof.verdict, "In this preview");
     }
     match (&proof.milled, recipe.design.sheet.cutter) {
         (Some(milled), Some(cutter)) => in_a_sentence(&milled.verdict, &format!("Cut by {cutter}")),
@@ -143,6 +147,7 @@ fn continuous(recipe: &Recipe, design: &Design, sheet: &Sheet) -> SheetFacts {
     let relief = &sheet.relief;
     SheetFacts {
         grid: relief.nodes,
+        preview: recipe.design.sheet.preview,
         cells: relief.cells,
         cell_mm: relief.cell.to_array(),
         cutter: recipe.design.sheet.cutter,

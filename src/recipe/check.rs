@@ -32,6 +32,7 @@ impl Recipe {
         if self.plate.border == 0.0 && self.border_finish() != BorderFinish::Matt {
             return Err(RecipeError::NoBorder);
         }
+        self.check_preview()?;
         match self.surface() {
             SurfaceKind::Facets => self.check_facets(),
             SurfaceKind::Sheet => self.check_sheet(),
@@ -52,6 +53,18 @@ impl Recipe {
                 Err(RecipeError::StepTooLarge { columns, rows })
             }
             SurfaceKind::Facets => Ok(()),
+        }
+    }
+
+    fn check_preview(&self) -> Result<(), RecipeError> {
+        let without = [
+            ("facets", self.surface() == SurfaceKind::Facets),
+            ("lamp and wall nearby", self.is_near()),
+            ("machine", self.machining()?.is_some()),
+        ];
+        match without.into_iter().find(|(_, given)| self.design.sheet.preview && *given) {
+            Some((with, _)) => Err(RecipeError::NoPreview { with }),
+            None => Ok(()),
         }
     }
 
@@ -161,6 +174,10 @@ mod tests {
             |r: &mut Recipe| (r.plate.border, r.plate.border_finish) = (3.0, Some(BorderFinish::Sloped(Some(70.0))));
         assert_eq!(named(refused(steep)), "border-finish");
         assert_eq!(named(refused(|r| r.design.seed = u64::MAX)), "seed");
+        let near = |r: &mut Recipe| (r.design.sheet.preview, r.scene.focus) = (true, Some(1000.0));
+        assert!(refused(near).to_string().contains("nearby, or preview"));
+        let flat = |r: &mut Recipe| (r.design.sheet.preview, r.plate.surface) = (true, Some(SurfaceKind::Facets));
+        assert_eq!(refused(flat), RecipeError::NoPreview { with: "facets" });
         assert_eq!(
             named(refused(|r| r.design.annealing = Some(Annealing { valleys: f64::NAN, ..Annealing::default() }))),
             "annealing.valleys"

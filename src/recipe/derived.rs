@@ -10,7 +10,7 @@ use crate::facets::arrange::anneal::Annealing;
 use crate::facets::sample::Sampling;
 use crate::picture::Reading;
 use crate::relief::rim::Rim;
-use crate::sculpt::plan::{SheetSpec, suitable_grid};
+use crate::sculpt::plan::{PREVIEW_NODES, SheetSpec, suitable_grid};
 use crate::setup::Setup;
 use crate::sharpen::BlurKernel;
 use crate::verify::experiment::Measuring;
@@ -90,6 +90,9 @@ impl Recipe {
         let cells = self.cells();
         let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
         let DesignSettings { sheet: settings, seed, .. } = self.design;
+        if settings.preview {
+            return SheetSpec { cell, cells, grid: grid.unwrap_or(PREVIEW_NODES), seed, settings };
+        }
         let suitable = || suitable_grid(cell, settings.cutter, |grid| self.fits_the_file(grid));
         SheetSpec { cell, cells, grid: grid.unwrap_or_else(suitable), seed, settings }
     }

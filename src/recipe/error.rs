@@ -56,6 +56,12 @@ pub enum RecipeError {
     /// A machine without a cutter.
     #[error("machine: say what it cuts with, such as --for-cutter ball:0.5 (--cutter of a plate that is there)")]
     NoCutter,
+    /// A preview of what has none.
+    #[error("preview is of a sheet for a lamp and a wall far away, by no machine: leave out {with}, or preview")]
+    NoPreview {
+        /// What it does not go with, as in the flag.
+        with: &'static str,
+    },
     /// A surface that is too fine for a file.
     #[error("as-made-stl is for a plate that is polished: give --polish too, or leave it out")]
     NoPolish,
@@ -264,7 +270,12 @@ impl RecipeError {
         match self {
             Self::Unreadable(..) | Self::OutOfRange { .. } | Self::OtherKind { .. } | Self::NoBorder => false,
             Self::NoPatches { .. } | Self::NotOfPatches { .. } | Self::PortraitAndMaps => false,
-            Self::NoMachine { .. } | Self::Machine(_) | Self::NoCutter | Self::NoPolish | Self::MachineNearby => false,
+            Self::NoMachine { .. }
+            | Self::NoPreview { .. }
+            | Self::Machine(_)
+            | Self::NoCutter
+            | Self::NoPolish
+            | Self::MachineNearby => false,
             Self::Scene(fault) => fault.is_impossible(),
             _ => true,
         }

@@ -219,6 +219,9 @@ impl Mount {
 pub struct SheetFacts {
     /// Nodes along a side of a cell.
     pub grid: usize,
+    /// If it is a preview, no plate to be made.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub preview: bool,
     /// Cells along x and y.
     pub cells: [usize; 2],
     /// Sides of a cell, mm.

@@ -22,6 +22,9 @@ pub struct SheetSettings {
     /// The most that a cell of a sheet may rise about its mean plane, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_depth: Option<f64>,
+    /// Whether it is a preview: on few nodes, by few steps, and never a plate to be made.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub preview: bool,
 }
 
 /// Recipes have always written 0 where nothing was given.

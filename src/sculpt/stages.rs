@@ -17,7 +17,8 @@ use super::edge_slopes::Lattice;
 use super::matching::Matching;
 use super::objective::{CLEARANCE, Objective, relief};
 use super::plan::{
-    DESCENT_FIRST_MOVE, MEMORY, SheetSpec, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan, trial_descent,
+    DESCENT_FIRST_MOVE, MEMORY, PREVIEW_TRIAL, SheetSpec, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan,
+    trial_descent,
 };
 use super::resample::sampled;
 use super::slope_loss::LossScale;
@@ -35,6 +36,10 @@ const STEPS_PER_RESIDUAL: usize = 30;
 /// Narrowest bins of the histogram over slopes, degrees: half of the narrowest blur of the design.
 const FINEST_BIN: f64 = 0.125;
 
+/// Widest pieces in which pixels of the drawing are carried over to slopes, degrees: narrower than a bin; and of a preview.
+const PIECES: f64 = 0.1;
+const PREVIEW_PIECES: f64 = 0.3;
+
 /// How often unreached nodes are raised on the tool's grid and between its places in turns, at the most; two or three are
 /// usual.
 const FILLINGS: usize = 20;
@@ -49,7 +54,7 @@ const UNEVENNESS: f64 = 0.004;
 pub fn least_stray(distribution: &SlopeDistribution, sculpting: &SheetSpec) -> Option<Unavoidable> {
     const SAMPLES: usize = 1 << 16;
     let cutter = sculpting.settings.cutter?;
-    Some(unavoidable(&SlopePlane::new(distribution, 0.1)?.samples(SAMPLES), sculpting.cell, cutter))
+    Some(unavoidable(&SlopePlane::new(distribution, PIECES)?.samples(SAMPLES), sculpting.cell, cutter))
 }
 
 /// A sheet, and how it came about.
@@ -59,7 +64,8 @@ pub struct Sheet {
     pub relief: PeriodicRelief,
     /// What was started from.
     pub start: Start,
-    /// Total variation between the relief's light as modelled and the wanted light, at a blur of 0.5°, after each step.
+    /// Total variation between the relief's light as modelled and the wanted light, at a blur of 0.5°, of a preview 1°, after
+    /// each step.
     pub misplaced: Vec<f64>,
     /// About the share of the plate that the cutter fills with fillets.
     pub fillets: f64,
@@ -145,7 +151,8 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     fn new(distribution: &SlopeDistribution, sculpting: &'a SheetSpec, progress: &'a Progress<'a>) -> Option<Self> {
-        let plane = SlopePlane::new(distribution, 0.1)?;
+        let finest = if sculpting.settings.preview { PREVIEW_PIECES } else { PIECES };
+        let plane = SlopePlane::new(distribution, finest)?;
         Some(Self { sculpting, plane, tilt: distribution.mean, progress })
     }
 
@@ -184,22 +191,32 @@ impl<'a> Work<'a> {
         z
     }
 
+    /// Blur at which reliefs are compared, degrees.
+    fn compared_at(&self) -> f64 {
+        if self.sculpting.settings.preview { 1.0 } else { COMPARED_AT }
+    }
+
     /// The best of several starts on the coarse grid.
     fn tried(&self, nodes: usize, share: Share) -> Result<Checkpoint, SculptError> {
         let lattice = self.lattice(nodes);
         let mut best: Option<(f64, Checkpoint)> = None;
         let settings = &self.sculpting.settings;
-        let starts = Start::suitable(settings.cutter.is_some(), settings.max_depth.is_some());
+        let starts = Start::suitable(settings.cutter.is_some() || settings.preview, settings.max_depth.is_some());
         for (k, &start) in starts.iter().enumerate() {
             let share = share.part(k, starts.len());
             let mut z = start.heights(lattice, self.plane.spread(), self.sculpting.seed);
             for (k, stage) in TRIES.iter().enumerate() {
                 z = self.descend(lattice, z, stage, share.part(k, 3))?;
             }
-            self.match_slopes(lattice, &mut z, TRIAL_ROUNDS, share.part(2, 3));
-            z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3))?;
-            let objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-            let misplaced = objective.misplaced(&z, COMPARED_AT);
+            if settings.preview {
+                z = self.descend(lattice, z, &PREVIEW_TRIAL, share.part(2, 3))?;
+            } else {
+                self.match_slopes(lattice, &mut z, TRIAL_ROUNDS, share.part(2, 3));
+                z = self.descend(lattice, z, &trial_descent(self.sculpting), share.part(2, 3))?;
+            }
+            let blur = self.compared_at();
+            let objective = self.objective(lattice, LossScale { blur, alpha: 0.0, weighed: false });
+            let misplaced = objective.misplaced(&z, blur);
             // Light in the wrong place, on fillets and beyond the depth counts alike: what is left of each at the end
             // goes with what there is of it now.
             let error = misplaced + objective.fillets(&z) + objective.excess_depth(&z);
@@ -276,9 +293,12 @@ impl<'a> Work<'a> {
     }
 
     fn misplaced(&self, lattice: Lattice, z: &[f32]) -> Result<f64, Cancelled> {
-        let mut objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
-        objective.update_tool_residual(z, self.progress)?;
-        Ok(objective.misplaced(z, COMPARED_AT))
+        let blur = self.compared_at();
+        let mut objective = self.objective(lattice, LossScale { blur, alpha: 0.0, weighed: false });
+        if !self.sculpting.settings.preview {
+            objective.update_tool_residual(z, self.progress)?;
+        }
+        Ok(objective.misplaced(z, blur))
     }
 
     /// The relief as it is written.
@@ -287,7 +307,7 @@ impl<'a> Work<'a> {
         let lattice = self.lattice(grid);
         let z = self.resampled(&at, grid);
         let mut relief = relief(lattice, &z, self.tilt);
-        if let Some(cutter) = settings.cutter {
+        if let Some(cutter) = settings.cutter.filter(|_| !settings.preview) {
             let tool = Tool::new(cell, cutter);
             // In a valley that runs along neither axis nor diagonal, the lowest points lie between the tool's places; a node
             // raised for them may be too high for the tool on its grid, and so on.

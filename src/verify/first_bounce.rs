@@ -62,6 +62,8 @@ fn over_facets<S: Surface, C: Sensor>(
             tally.add(&known, 1.0 / PARTS as f64);
             // A smooth material looks at no random number.
             let mut idle = Xoshiro256PlusPlus::seed_from_u64(0);
+            // Samples come in order, and so do their facets.
+            let mut k = 0;
             for sample in (part as u64..samples).step_by(PARTS) {
                 if (sample as usize / PARTS).is_multiple_of(4096) {
                     progress.check()?;
@@ -69,7 +71,7 @@ fn over_facets<S: Surface, C: Sensor>(
                         progress.fraction(sample as f64 / samples as f64);
                     }
                 }
-                let k = beams.facet_of(sample, step, measuring.seed);
+                k = beams.facet_of(sample, (step, measuring.seed), k);
                 let Some((place, end)) = first_bounce(experiment, light, k) else { continue };
                 // Where each facet has its sample, all samples together stand for just its flux.
                 let (flux, of_facet) = (beams.of(k), beams.samples(k, step, measuring.seed));
@@ -175,9 +177,18 @@ impl Beams {
         (0..count as usize).map(move |m| (shift, m as u64))
     }
 
-    /// The facet on which the sample lies that comes as number `sample`.
-    fn facet_of(&self, sample: u64, step: f64, seed: u64) -> usize {
-        self.cumulative.partition_point(|flux| self.turn(*flux, step, seed) <= sample)
+    /// The facet on which the sample lies that comes as number `sample`, looked for from facet `from` on.
+    fn facet_of(&self, sample: u64, (step, seed): (f64, u64), from: usize) -> usize {
+        let offset = unit(hash(seed, u64::MAX));
+        // Whose turn comes before: a number rounded up is at most a whole number just where it is itself.
+        let is_before = |flux: &f64| flux / step - offset <= sample as f64;
+        let ahead = &self.cumulative[from..];
+        // Facets near the one before are likely, so that the stretch looked at is doubled until it holds the one.
+        let mut stretch = 16;
+        while stretch < ahead.len() && is_before(&ahead[stretch - 1]) {
+            stretch *= 2;
+        }
+        from + ahead[..stretch.min(ahead.len())].partition_point(is_before)
     }
 
     /// Samples whose turn comes before `flux` of the beam is gone through.

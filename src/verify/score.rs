@@ -44,24 +44,51 @@ pub struct BlurredScores {
 ///
 /// `None` if there is no light inside the image or the target, if their sizes differ, or if a value is not finite.
 pub fn blurred_scores(image: &Raster, up: f64, target: &Raster, view: &View, blur: f64) -> Option<BlurredScores> {
-    let (inside, wanted) = (image.sum(), target.sum());
-    let lit = inside > 0.0 && wanted > 0.0 && inside.is_finite() && wanted.is_finite() && up.is_finite();
-    if !lit || (image.width, image.height) != (target.width, target.height) {
+    if (image.width, image.height) != (target.width, target.height) {
         return None;
     }
-    let sigma = blur_pixels(image, view, blur);
-    let shape = Raster { values: image.values.iter().map(|v| v / inside).collect(), ..*image };
-    let seen = gaussian(&shape, sigma, 5.0, Edge::Dark);
-    let wanted = gaussian(target, sigma, 5.0, Edge::Dark);
-    let of_upward = seen.clone().scaled(inside);
-    let of_incident = of_upward.clone().scaled(up);
-    Some(BlurredScores {
-        tv: 0.5 * distance(&seen, &wanted),
-        // What is in neither image sits in one more bin, "elsewhere".
-        tv_up: 0.5 * (distance(&of_upward, &wanted) + (of_upward.sum() - wanted.sum()).abs()),
-        tv_incident: 0.5 * (distance(&of_incident, &wanted) + (of_incident.sum() - wanted.sum()).abs()),
-        ssim: structural_similarity(&seen, &wanted),
-    })
+    BlurredTarget::new(target, view, blur)?.scores(image, up)
+}
+
+/// A wanted image at one blur, for many images to be marked beside it.
+pub(super) struct BlurredTarget {
+    sigma: (f64, f64),
+    wanted: Raster,
+    structure: Structure,
+}
+
+impl BlurredTarget {
+    /// `target` through a blur, radians; `None` if it is dark or no image.
+    pub(super) fn new(target: &Raster, view: &View, blur: f64) -> Option<Self> {
+        let light = target.sum();
+        if !(light > 0.0 && light.is_finite()) {
+            return None;
+        }
+        let sigma = blur_pixels(target, view, blur);
+        let wanted = gaussian(target, sigma, 5.0, Edge::Dark);
+        let structure = Structure::of(&wanted);
+        Some(Self { sigma, wanted, structure })
+    }
+
+    /// As [`blurred_scores`], of an image as large.
+    pub(super) fn scores(&self, image: &Raster, up: f64) -> Option<BlurredScores> {
+        let Self { sigma, wanted, structure } = self;
+        let inside = image.sum();
+        if !(inside > 0.0 && inside.is_finite() && up.is_finite()) {
+            return None;
+        }
+        let shape = Raster { values: image.values.iter().map(|v| v / inside).collect(), ..*image };
+        let seen = gaussian(&shape, *sigma, 5.0, Edge::Dark);
+        let of_upward = seen.clone().scaled(inside);
+        let of_incident = of_upward.clone().scaled(up);
+        Some(BlurredScores {
+            tv: 0.5 * distance(&seen, wanted),
+            // What is in neither image sits in one more bin, "elsewhere".
+            tv_up: 0.5 * (distance(&of_upward, wanted) + (of_upward.sum() - wanted.sum()).abs()),
+            tv_incident: 0.5 * (distance(&of_incident, wanted) + (of_incident.sum() - wanted.sum()).abs()),
+            ssim: structure.similarity(&seen, wanted),
+        })
+    }
 }
 
 /// Efficiency: the share of the incident light that lands where the highlight is wanted, or within `blur` of it.
@@ -113,20 +140,46 @@ fn distance(a: &Raster, b: &Raster) -> f64 {
 
 /// Mean structural similarity of `a` and `b`, K = (0.01, 0.03), dynamic range = peak of `b`.
 pub(super) fn structural_similarity(a: &Raster, b: &Raster) -> f64 {
-    let smooth = |image: &Raster| gaussian(image, (1.5, 1.5), 3.5, Edge::Mirrored);
-    let product = |a: &Raster, b: &Raster| {
-        let values = a.values.iter().zip(&b.values).map(|(a, b)| a * b).collect();
-        smooth(&Raster { values, ..*a })
-    };
-    let (mean_a, mean_b) = (smooth(a), smooth(b));
-    let (aa, bb, ab) = (product(a, a), product(b, b), product(a, b));
-    let (c1, c2) = ((0.01 * b.max()).powi(2), (0.03 * b.max()).powi(2));
+    Structure::of(b).similarity(a, b)
+}
+
+/// Local means of an image, and of its squares.
+struct Structure {
+    mean: Raster,
+    squares: Raster,
+}
+
+impl Structure {
+    fn of(image: &Raster) -> Self {
+        Self { mean: locally(image), squares: locally(&product(image, image)) }
+    }
+
+    /// Structural similarity of `a` to the image `b` that this is of.
+    fn similarity(&self, a: &Raster, b: &Raster) -> f64 {
+        let ours = Self::of(a);
+        let both = locally(&product(a, b));
+        similarity([&ours, self], &both, b.max())
+    }
+}
+
+/// The mean of an image around each pixel.
+fn locally(image: &Raster) -> Raster {
+    gaussian(image, (1.5, 1.5), 3.5, Edge::Mirrored)
+}
+
+fn product(a: &Raster, b: &Raster) -> Raster {
+    Raster { values: a.values.iter().zip(&b.values).map(|(a, b)| a * b).collect(), ..*a }
+}
+
+/// From the local means of both images, of their squares and of their product, and the peak of the wanted one.
+fn similarity([a, b]: [&Structure; 2], both: &Raster, peak: f64) -> f64 {
+    let (c1, c2) = ((0.01 * peak).powi(2), (0.03 * peak).powi(2));
     let (mut sum, mut count) = (0.0, 0);
-    for row in SSIM_RIM..a.height.saturating_sub(SSIM_RIM) {
-        for column in SSIM_RIM..a.width.saturating_sub(SSIM_RIM) {
+    for row in SSIM_RIM..both.height.saturating_sub(SSIM_RIM) {
+        for column in SSIM_RIM..both.width.saturating_sub(SSIM_RIM) {
             let at = |image: &Raster| image.at(column, row);
-            let (ma, mb) = (at(&mean_a), at(&mean_b));
-            let (va, vb, cab) = (at(&aa) - ma * ma, at(&bb) - mb * mb, at(&ab) - ma * mb);
+            let (ma, mb) = (at(&a.mean), at(&b.mean));
+            let (va, vb, cab) = (at(&a.squares) - ma * ma, at(&b.squares) - mb * mb, at(both) - ma * mb);
             sum += ((2.0 * ma * mb + c1) * (2.0 * cab + c2)) / ((ma * ma + mb * mb + c1) * (va + vb + c2));
             count += 1;
         }

@@ -39,6 +39,17 @@ pub struct Tally {
 }
 
 impl Tally {
+    /// Whether it holds the same light as another, by however many rays.
+    fn finds_as(&self, other: &Self) -> bool {
+        let fates = |tally: &Self| {
+            let Self { incident, up_single, up_multi, outside_image, escaped_down, .. } = *tally;
+            let Self { absorbed, taken, trapped, backface, first_hit_wall, .. } = *tally;
+            let up = [incident, up_single, up_multi, outside_image, escaped_down];
+            (up, [absorbed, taken, trapped, backface, first_hit_wall])
+        };
+        fates(self) == fates(other) && self.image == other.image && self.rim == other.rim
+    }
+
     /// Nothing yet, for an image of `width` × `height` pixels.
     pub fn empty((width, height): (usize, usize)) -> Self {
         Self {
@@ -245,10 +256,19 @@ impl Measurement {
         self.parts.len()
     }
 
+    /// Whether all parts found the same light: nothing shadows a facet, none bounces again, and no figure has an error.
+    pub fn is_exact(&self) -> bool {
+        let [first, rest @ ..] = self.parts.as_slice() else { return true };
+        rest.iter().all(|part| part.finds_as(first))
+    }
+
     /// Standard error of each figure of `figures`, by leaving out one part after the other (Quenouille, Tukey).
     /// The parts interleave as strata of the whole do, so the estimate errs on the safe side.
     pub fn standard_errors<const N: usize>(&self, figures: impl Fn(&Tally) -> [f64; N] + Sync) -> [f64; N] {
         let n = self.parts();
+        if self.is_exact() {
+            return [0.0; N];
+        }
         let each: Vec<[f64; N]> = (0..n).into_par_iter().map(|k| figures(&self.without(k))).collect();
         std::array::from_fn(|f| {
             let mean = each.iter().map(|e| e[f]).sum::<f64>() / n as f64;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::score::{blurred_scores, contrast_kept, efficiency};
+use super::score::{BlurredTarget, contrast_kept, efficiency};
 use super::tally::{MeasureError, Measurement, Tally};
 use super::wasserstein::exact_w1;
 use crate::progress::Progress;
@@ -84,9 +84,10 @@ impl Verdict {
         view: &View,
         progress: &Progress,
     ) -> Result<Self, MeasureError> {
-        let values = figures(&measurement.whole, target, view).ok_or(MeasureError::NoLight)?;
+        let wanted = Wanted::new(target, view).ok_or(MeasureError::NoLight)?;
+        let values = wanted.figures(&measurement.whole).ok_or(MeasureError::NoLight)?;
         let errors = measurement.standard_errors(|tally| {
-            let figures = if progress.is_abandoned() { None } else { figures(tally, target, view) };
+            let figures = if progress.is_abandoned() { None } else { wanted.figures(tally) };
             figures.unwrap_or([f64::NAN; FIGURES])
         });
         progress.check()?;
@@ -137,23 +138,45 @@ impl Verdict {
     }
 }
 
-/// All figures that follow from one tally by quick arithmetic, in [`Verdict::new`]'s order.
-fn figures(tally: &Tally, target: &Raster, view: &View) -> Option<[f64; FIGURES]> {
-    let (image, up) = (tally.share_image(), tally.up());
-    let lit = tally.lit_image();
-    let mut values = [0.0; FIGURES];
-    for (b, blur) in BLURS.iter().enumerate() {
-        let scores = blurred_scores(&lit, up, target, view, blur.to_radians())?;
-        values[4 * b..4 * b + 4].copy_from_slice(&[scores.tv, scores.tv_up, scores.tv_incident, scores.ssim]);
+/// What is wanted, looked at once for all the tallies that are marked beside it.
+struct Wanted<'a> {
+    target: &'a Raster,
+    view: &'a View,
+    at_blur: Vec<BlurredTarget>,
+}
+
+impl<'a> Wanted<'a> {
+    fn new(target: &'a Raster, view: &'a View) -> Option<Self> {
+        let at_blur =
+            BLURS.iter().map(|blur| BlurredTarget::new(target, view, blur.to_radians())).collect::<Option<_>>()?;
+        Some(Self { target, view, at_blur })
     }
-    let rest = [efficiency(&image, up, target, view, MAIN_BLUR.to_radians()), tally.multi_bounce(), tally.blocked()];
-    values[4 * BLURS.len()..].copy_from_slice(&rest);
-    Some(values)
+
+    /// All figures that follow from one tally by quick arithmetic, in [`Verdict::new`]'s order.
+    fn figures(&self, tally: &Tally) -> Option<[f64; FIGURES]> {
+        let Self { target, view, ref at_blur } = *self;
+        let (image, up) = (tally.share_image(), tally.up());
+        let lit = tally.lit_image();
+        if (lit.width, lit.height) != (target.width, target.height) {
+            return None;
+        }
+        let mut values = [0.0; FIGURES];
+        for (b, wanted) in at_blur.iter().enumerate() {
+            let scores = wanted.scores(&lit, up)?;
+            values[4 * b..4 * b + 4].copy_from_slice(&[scores.tv, scores.tv_up, scores.tv_incident, scores.ssim]);
+        }
+        let efficiency = efficiency(&image, up, target, view, MAIN_BLUR.to_radians());
+        values[4 * BLURS.len()..].copy_from_slice(&[efficiency, tally.multi_bounce(), tally.blocked()]);
+        Some(values)
+    }
 }
 
 /// W1 of the whole; its error from the two halves, whose difference is twice the whole's standard error on average.
 fn w1(measurement: &Measurement, target: &Raster, view: &View, progress: &Progress) -> Result<Figure, MeasureError> {
     let of = |tally: &Tally| exact_w1(&tally.lit_image(), target, view, W1_RESOLUTION, progress);
+    if measurement.is_exact() {
+        return Ok(Figure { value: of(&measurement.whole)?, error: 0.0 });
+    }
     let (value, halves) = rayon::join(|| of(&measurement.whole), || measurement.halves().map(|half| of(&half)));
     let error = match halves {
         [Ok(a), Ok(b)] => 0.5 * (a - b).abs(),

@@ -71,3 +71,21 @@ fn depth_and_levelling_are_obeyed_or_refused() {
     let stl = |name: &str| fs::read(home.path().join(name).join("plate.stl")).unwrap();
     assert!(stl("free") != stl("polished"));
 }
+
+#[test]
+fn a_preview_says_what_it_is_and_is_not_milled() {
+    let home = home();
+    let told = run_line(home.path(), "design ring.png -o look --preview");
+    assert_done(&told);
+    assert!(told.stdout.starts_with("In this preview, "), "{}", told.stdout);
+    assert!(told.told().contains("no plate to be made: leave out --preview"), "{}", told.stdout);
+    let report = json(home.path().join("look/report.json"));
+    assert_eq!(report["design"]["continuous"]["preview"], true);
+    assert!(report["designed"]["tv_incident"]["1"].as_f64().unwrap() < 0.01, "{report}");
+    let refused = run_line(home.path(), "mill look --machine vmc --cutter ball:1 -o shop");
+    assert_eq!(refused.code, Some(4), "{refused:?}");
+    assert!(refused.stderr.contains("look is a preview") && !home.path().join("shop").exists(), "{}", refused.stderr);
+    let refused = run_line(home.path(), "design ring.png -o near --preview --wall 1000");
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("preview"), "{}", refused.stderr);
+}

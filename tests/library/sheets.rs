@@ -4,11 +4,18 @@ use std::path::Path;
 
 use facetmill::cutter::Cutter;
 use facetmill::job::design::design;
+use facetmill::job::preview::{Preview, preview};
 use facetmill::job::proof::prove;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
+use facetmill::raster::Raster;
 use facetmill::recipe::{Recipe, SurfaceKind};
 use facetmill::verify::verdict::Verdict;
+
+fn light_of(picture: &str, recipe: &Recipe) -> Raster {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/highlights/{picture}.png"));
+    read(&path, &recipe.reading()).unwrap().light
+}
 
 /// TV counting lost light, and 1 - SSIM, both at 0.5°: of the sheet as milled if it is for a cutter, else as written.
 fn scores(picture: &str, ball: Option<f64>) -> [f64; 2] {
@@ -19,8 +26,7 @@ fn scores(picture: &str, ball: Option<f64>) -> [f64; 2] {
     recipe.plate.grid = Some(96);
     recipe.design.sheet.cutter = ball.map(Cutter::ball);
     recipe.verify.rays = 1_000_000;
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/highlights/{picture}.png"));
-    let light = read(&path, &recipe.reading()).unwrap().light;
+    let light = light_of(picture, &recipe);
     let plate = design(&recipe, &light, &Progress::silent()).unwrap();
     let proof = prove(&recipe, &light, &plate, &Progress::silent()).unwrap();
     let half = |verdict: &Verdict| [verdict.at(0.5).tv_incident.value, 1.0 - verdict.at(0.5).ssim.value];
@@ -46,4 +52,21 @@ fn a_sheet_shows_a_ring() {
 #[test]
 fn a_milled_sheet_shows_a_letter() {
     assert_near("letter", Some(1.0), [0.0099, 0.053]);
+}
+
+#[test]
+fn a_preview_is_near_the_drawing_and_one_made_after_another_goes_on_from_it() {
+    let mut recipe = Recipe::default();
+    let light = light_of("portrait", &recipe);
+    let look =
+        |recipe: &Recipe, before: Option<&Preview>| preview(recipe, &light, before, &Progress::silent()).unwrap();
+    let cold = look(&recipe, None);
+    assert_eq!(cold.relief.nodes, 64);
+    assert!(cold.scores[0].tv_incident < 0.003, "{:?}", cold.scores);
+    recipe.light.theta = 10.0;
+    let warm = look(&recipe, Some(&cold));
+    assert!(warm.scores[0].tv_incident < 0.003, "{:?}", warm.scores);
+    // The same again, and not what comes without one before.
+    assert!(warm.relief.heights == look(&recipe, Some(&cold)).relief.heights);
+    assert!(warm.relief.heights != look(&recipe, None).relief.heights);
 }

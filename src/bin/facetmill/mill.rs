@@ -66,6 +66,12 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
     progress.stage(Stage::Reading);
+    if recipe.design.sheet.preview {
+        return Err(Failure::Impossible(format!(
+            "{} is a preview, no plate to be made: design it without --preview",
+            plate.display()
+        )));
+    }
     let margin = plates::margin(args.margin, plate, &recipe);
     let limit = args.running.memory();
     let nothing = Need::new(0.0, "the programs", "take a wider --stepover");

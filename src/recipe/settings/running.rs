@@ -1,6 +1,6 @@
 //! The settings of chance and proof, a part of the table.
 
-use super::Form::Text;
+use super::Form::{Switch, Text};
 use super::table::PLAIN;
 use super::{Section, Setting, Unit};
 
@@ -18,6 +18,17 @@ pub(super) static RUNNING: &[Setting] = &[
         help: "Seed of everything random",
         at: |recipe| &mut recipe.design.seed,
         ..COUNT
+    },
+    Setting {
+        name: "preview",
+        key: "design.preview",
+        section: Section::Design,
+        form: Switch,
+        help: "Look at it quickly: a sheet on few nodes by few steps, no plate to be made",
+        more: "Its light is that of the first bounce, known without rays. No cutter is followed over it, and nothing is \
+               compared. Its verdict and its report say that it is a preview.",
+        at: |recipe| &mut recipe.design.sheet.preview,
+        ..PLAIN
     },
     Setting {
         name: "rays",

@@ -118,7 +118,8 @@ fn the_gradient_is_the_derivative_beyond_the_depth_limit() {
 
 #[test]
 fn the_gradient_is_the_derivative_with_everything_together() {
-    let all = SheetSettings { cutter: BALL, polish: Some(0.02), min_feature: Some(0.08), max_depth: Some(0.04) };
+    let (polish, min_feature, max_depth) = (Some(0.02), Some(0.08), Some(0.04));
+    let all = SheetSettings { cutter: BALL, polish, min_feature, max_depth, preview: false };
     assert_gradient("all", LossScale { weighed: true, ..NARROW }, all, false);
     assert_gradient("all, fine", FINE, all, true);
 }
