@@ -217,7 +217,8 @@ def both_kinds():
     for picture in ["photograph", "portrait", "letter", "star", "spiral", "ring", "word"]:
         said = report(picture, "--for-cutter ball:0.5")
         bare = report(picture, "")
-        facets = [of["beside_facets"]["tv_incident_1deg"]["flat"] for of in (bare, said)]
+        flat = report(picture, "--surface flat --for-cutter ball:0.5")
+        facets = [tv(flat["designed"]), tv(flat["as_milled"])]
         row(
             f"{picture:10}",
             f"designed: facets {facets[0]:.4f}, sheet {tv(bare['designed']):.4f}",
@@ -367,6 +368,36 @@ def portraits():
         row(flags or "as it is", f"{reach['white']:.2f}/sr, {reach['contrast']:.0f} to 1",
             f"bowls {said['patches']['most_share'][0]:.2f}", f"{written['ssim']:.3f} {written['tv']:.3f}",
             f"{cut['ssim']:.3f} {cut['tv']:.3f}", f"{said['cpu_seconds']['total']:.0f} CPU s")  # fmt: skip
+
+
+# Designs as different as they come, and what a dry run is to say of each within a factor of 1.5.
+ESTIMATED = [
+    ("ring", "--surface facets"),
+    ("spiral", "--half-field 45 --facets 30x30 --method weyrich2009"),
+    ("ring", ""),
+    ("portrait", "--for-cutter ball:0.5 --no-verify"),
+    ("portrait", "--for-cutter ball:1"),
+    ("ring", "--cells 1 --grid 400 --no-verify"),
+    ("ring", "--grid 128 --for-cutter ball:1 --machine vmc --stepover 0.05"),
+    ("ring", "--lamp-distance 400 --wall 500 --near base --grid 64"),
+    ("ring", "--lamp-distance 400 --wall 500 --near warp --grid 128"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 64"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 128 --no-verify"),
+    ("ring", "--lamp-distance 400 --wall 500 --near exact --grid 64 --for-cutter ball:1"),
+]
+
+
+@group
+def estimates():
+    """Dry runs: speed of the machine, CPU seconds told and taken, and how many times as many were told."""
+    for picture, flags in ESTIMATED:
+        told = report(picture, f"{flags} --dry-run")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        report(picture, flags)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        taken = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        about = sum(seconds for key, seconds in told.items() if key.endswith("cpu_seconds_about"))
+        row(f"{picture} {flags:78}", f"speed {told['machine_speed']:.2f}", f"{about:.1f}", f"{taken:.1f}", f"{about / taken:.2f}")
 
 
 def main(names):

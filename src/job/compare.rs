@@ -3,6 +3,7 @@
 use super::design::{Design, DesignError, design};
 use super::findings::{Proof, RimProof};
 use super::proof::send_over_milled_facets;
+use super::sentences::WORTH_TELLING;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::raster::Raster;
 use crate::recipe::{Recipe, SurfaceKind};
@@ -51,7 +52,8 @@ impl FacetComparison {
 
 /// Compares `plate`, which `recipe` made and `proof` judged, with the facets of the same recipe.
 ///
-/// `None` if it is of facets itself, if it is to be polished, which facets are not made for, if lamp or wall are near, or if there are no such facets.
+/// `None` if it is of facets itself, if it is so good that no eye would see that facets are better, if it is to be polished,
+/// which facets are not made for, if lamp or wall are near, or if there are no such facets.
 pub fn beside_facets(
     recipe: &Recipe,
     light: &Raster,
@@ -62,6 +64,11 @@ pub fn beside_facets(
     if plate.sheet.is_none() || recipe.is_near() || recipe.design.sheet.polish.is_some() {
         return Ok(None);
     }
+    let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
+    let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
+    if continuous.misplaced < WORTH_TELLING {
+        return Ok(None);
+    }
     progress.stage(Stage::Comparison);
     let recipe = of_facets(recipe);
     let flat = match scored(&recipe, light, proof, progress) {
@@ -69,8 +76,6 @@ pub fn beside_facets(
         Err(DesignError::Cancelled(cancelled)) => return Err(cancelled),
         Ok(None) | Err(_) => return Ok(None),
     };
-    let verdict = proof.milled.as_ref().map_or(&proof.verdict, |milled| &milled.verdict).main();
-    let continuous = Score { misplaced: verdict.tv_incident.value, ssim: verdict.ssim.value };
     Ok(Some(FacetComparison { facets: recipe.facets(), flat, continuous, milled: proof.milled.is_some() }))
 }
 

@@ -1,12 +1,15 @@
 //! What a design would be, from its sizes alone.
 
+use super::made::BARE_ROWS;
 use super::memory::need;
+use super::near::likely_method;
 use crate::export::stl::stl_bytes;
 use crate::facets::sample::Sampling;
-use crate::recipe::{Arrangement, Cutter, Recipe, SurfaceKind};
+use crate::recipe::{Arrangement, NearMethod, Recipe, SurfaceKind};
 use crate::report::estimate::{EstimateReport, Parts};
 use crate::sculpt::milled_facets::places;
 use crate::sculpt::plan::{SheetSpec, Step, plan};
+use crate::sculpt::room::exact::evaluations;
 use crate::sculpt::tool::Tool;
 
 /// (facets, CPU seconds) measured on one core of a 2020s server; pictures differ by a third.
@@ -32,46 +35,78 @@ const TRANSPORT: Measured = &[
 /// CPU seconds an exchange of facets tried in annealing.
 const EXCHANGE: f64 = 3.8e-8;
 
-/// CPU seconds for the pictures and the rest of the files.
-const FILES: f64 = 0.63;
+/// CPU seconds for the pictures and the rest of the files: of facets, of a sheet, and for each triangle of a sheet. Without a
+/// proof 900 facets took 0.8 s, sheets of 0.3 and 2.9 million triangles 0.3 and 0.5 s.
+const FILES: (f64, f64, f64) = (0.75, 0.3, 7e-8);
 
-/// CPU seconds for scoring, a ray, and one on metal with a lobe.
-const PROOF: (f64, f64, f64) = (0.5, 1.1e-7, 7e-7);
+/// CPU seconds for scoring and its pictures, a ray over facets, and one on metal with a lobe. 900 facets took 1.3 s with
+/// 2 million rays.
+const PROOF: (f64, f64, f64) = (1.15, 1.1e-7, 7e-7);
 
-/// CPU seconds a place of the tool on a plate of facets, to mill it and to send light over it.
-const MILLED_PLACE: f64 = 4.5e-7;
+/// The same over a sheet, and what each of its triangles takes. Without a cutter and with the facets beside it, 0.3 and 2.9
+/// million triangles took 2.7 and 4.2 s, and 1.6 s with 200,000 rays.
+const SHEET_PROOF: (f64, f64, f64, f64) = (0.6, 4.4e-7, 7e-7, 6e-7);
+
+/// CPU seconds of scoring the facets that a sheet is compared with, beside their rays.
+const BESIDE: f64 = 0.4;
+
+/// CPU seconds of proving a plate as milled, the facets that a sheet is compared with too, and a place of the tool. A sheet took
+/// 5.0 to 5.9 s more for a ball of 1 mm and 15 s for one of 0.5 mm, facets 6.2 s more for a ball of 1 mm.
+const MILLED: (f64, f64) = (2.2, 1.4e-6);
+
+/// CPU seconds of a descent over a whole plate in its room: any, and for each evaluation of a node. Plates of 192² and 384²
+/// nodes took 3.3 and 9.9 s.
+const ROOM: (f64, f64) = (0.5, 3.5e-7);
+
+/// CPU seconds a place of the tool over such a plate, without steps, on which valleys are filled again and again. 30 mm for balls
+/// of 1 and 2 mm, 9.9 and 5.6 million places, took 40 and 32 s.
+const ROOM_PLACE: f64 = 4.6e-6;
+
+/// CPU seconds of the proof in a room: any, a ray, a triangle, which is thrown onto a dozen walls. Plates of 74,000 and 295,000
+/// triangles took 2.2 and 3.1 s with 2 million rays.
+const ROOM_PROOF: (f64, f64, f64) = (1.0, 4.5e-7, 4e-6);
 
 /// CPU seconds of any sheet, and for each evaluation of a node that its plan counts: without a cutter, and for one. Cells of 64²,
-/// 128² and 400² nodes took 0.9, 2.5 and 6.5 s; for a ball of 0.5 in 10 mm 3.6, 4.8 and 16 s.
-const SCULPTING: (f64, f64, f64) = (0.35, 1.7e-7, 3e-7);
+/// 128² and 400² nodes took 0.7, 2.3 and 5.4 s; for a ball of 0.5 in 10 mm 3.6, 4.8 and 13 s.
+const SCULPTING: (f64, f64, f64) = (0.35, 1.6e-7, 3e-7);
 
 /// CPU seconds a place of the tool over a cell: on its grid, where its light is taken again and again, and without steps,
 /// where valleys are filled. A cell of 30 mm and 16² nodes for a ball of 1 mm, 1500² and 3008² places, takes 8.5 s.
 const TOOL_PLACE: (f64, f64) = (1.3e-6, 6e-7);
 
 /// CPU seconds of a plate as made: a place at which the cutter is lowered, a sample of its surface, a node that is polished,
-/// closed and traced. On 30 mm, ball 0.5, polished 40 µm, passes 0.04 and 0.08 mm apart took 12.7 and 9.9 s.
-const MADE: (f64, f64, f64) = (1.2e-6, 5e-8, 3e-6);
+/// closed and traced. On 30 mm, ball 0.5, polished 40 µm, passes 0.04 and 0.08 mm apart took 12.7 and 9.9 s;
+/// ball 1, passes 0.05 and 0.1 mm apart 6.5 and 4.1 s.
+const MADE: (f64, f64, f64) = (1.2e-6, 5e-8, 2e-6);
+
+/// CPU seconds of a slope of a plate as made that is not polished. On 30 mm, ball 1, passes 0.05 mm apart took 40 s.
+const BARE: f64 = 1.6e-6;
 
 /// CPU seconds of proving the plate as the recipe's machine makes it, in each draw of its errors.
 fn made_seconds(recipe: &Recipe) -> f64 {
     let Ok(Some(machining)) = recipe.machining() else { return 0.0 };
     let work = machining.work(recipe.plate.size.into());
     let (place, sample, node) = MADE;
-    let draw = sample * work.samples + node * work.nodes + proof_seconds(recipe);
+    let draw = match machining.polish {
+        None => BARE * BARE_ROWS as f64 * work.along,
+        Some(_) => sample * work.samples + node * work.nodes + PROOF.0 + ray_seconds(recipe, PROOF.1),
+    };
     place * work.places + recipe.draws() as f64 * draw
 }
 
 /// What a design of `recipe` will be for a picture of `side` pixels a side; `proved` if light is to be sent over it.
 ///
-/// "About" is within a third; of a sheet, triangles and bytes are exact but for its base.
+/// Times are those of a thread of the machine on which they were measured, and
+/// [`on_machine`](EstimateReport::on_machine) makes them those of another; "about" is within a half. Of a sheet, triangles and
+/// bytes are exact but for its base.
 pub fn estimate(recipe: &Recipe, side: usize, proved: bool) -> EstimateReport {
     let facts = match recipe.surface() {
         SurfaceKind::Facets => faceted_facts(recipe, proved),
         SurfaceKind::Sheet => continuous_facts(recipe, proved),
     };
     let verify = facts.verify_cpu_seconds_about + if proved { made_seconds(recipe) } else { 0.0 };
-    EstimateReport { memory_bytes_about: need(recipe, side, proved).bytes, verify_cpu_seconds_about: verify, ..facts }
+    let memory = need(recipe, side, proved).bytes;
+    EstimateReport { memory_bytes_about: memory, verify_cpu_seconds_about: verify, ..facts }.on_machine(1.0, 1)
 }
 
 fn faceted_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
@@ -80,10 +115,10 @@ fn faceted_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let (pitch, rim) = (recipe.pitch(), 2.0 * recipe.plate.border);
     // Measured on drawings and photographs: 8.4 to 11 triangles a facet with its walls. The rest is sides and base.
     let triangles = 19 * facets / 2 + 8 * (columns + rows);
-    let proof = proof_seconds(recipe);
-    let [width, height] = recipe.plate.size;
-    let milled =
-        recipe.design.sheet.cutter.map_or(0.0, |cutter| MILLED_PLACE * places(width * height, cutter) + PROOF.0);
+    let proof = match recipe.is_near() {
+        true => room_proof_seconds(recipe, triangles),
+        false => PROOF.0 + ray_seconds(recipe, PROOF.1),
+    };
     EstimateReport {
         dry_run: true,
         plate_mm: recipe.plate.size.map(|side| side + rim),
@@ -92,8 +127,11 @@ fn faceted_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
         stl_triangles_about: triangles,
         stl_bytes_about: stl_bytes(triangles),
         design_cpu_seconds_about: design_seconds(recipe),
-        verify_cpu_seconds_about: if proved { proof + milled } else { 0.0 },
-        files_cpu_seconds_about: FILES + 2e-6 * facets as f64,
+        verify_cpu_seconds_about: if proved { proof + milled_seconds(recipe) } else { 0.0 },
+        files_cpu_seconds_about: FILES.0 + 2e-6 * facets as f64,
+        wall_seconds_about: 0.0,
+        threads: 1,
+        machine_speed: 1.0,
         memory_bytes_about: 0,
         least_stray_share: None,
     }
@@ -104,12 +142,6 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
     let ([columns, rows], rim) = (sculpting.cells.map(|cells| cells * sculpting.grid), 2.0 * recipe.plate.border);
     let triangles = 2 * columns * rows + 8 * (columns + rows);
     let step = sculpting.cell / sculpting.grid as f64;
-    let proof = proof_seconds(recipe);
-    let [width, height] = recipe.plate.size;
-    // The facets that it is compared with, and as milled all of it once more.
-    let flat = design_seconds(&recipe.clone().only_for(SurfaceKind::Facets));
-    let milled = |c: Cutter| 2.0 * proof + MILLED_PLACE * places(width * height, c);
-    let beside = flat + recipe.design.sheet.cutter.map_or(0.0, milled);
     EstimateReport {
         dry_run: true,
         plate_mm: recipe.plate.size.map(|side| side + rim),
@@ -117,9 +149,12 @@ fn continuous_facts(recipe: &Recipe, proved: bool) -> EstimateReport {
         parts: Parts::Sheet { grid: sculpting.grid, cells: sculpting.cells },
         stl_triangles_about: triangles,
         stl_bytes_about: stl_bytes(triangles),
-        design_cpu_seconds_about: sculpting_seconds(&sculpting),
-        verify_cpu_seconds_about: if proved { proof + beside } else { 0.0 },
-        files_cpu_seconds_about: FILES + 2e-7 * triangles as f64,
+        design_cpu_seconds_about: sculpting_seconds(&sculpting) + room_seconds(recipe, &sculpting),
+        verify_cpu_seconds_about: if proved { sheet_proof_seconds(recipe, triangles) } else { 0.0 },
+        files_cpu_seconds_about: FILES.1 + FILES.2 * triangles as f64,
+        wall_seconds_about: 0.0,
+        threads: 1,
+        machine_speed: 1.0,
         memory_bytes_about: 0,
         least_stray_share: None,
     }
@@ -144,9 +179,45 @@ fn sculpting_seconds(spec: &SheetSpec) -> f64 {
     }
 }
 
-fn proof_seconds(recipe: &Recipe) -> f64 {
-    let ray = if recipe.metal().is_smooth() { PROOF.1 } else { PROOF.2 };
-    PROOF.0 + ray * recipe.verify.rays as f64
+/// The descent over the whole plate in its room, if there is one and it is likely to need that.
+fn room_seconds(recipe: &Recipe, spec: &SheetSpec) -> f64 {
+    if likely_method(recipe) != Some(NearMethod::Exact) {
+        return 0.0;
+    }
+    let (squares, cutter) = (spec.cells.map(|cells| cells * spec.grid), spec.settings.cutter);
+    let (evaluations, grid) = evaluations(squares, spec.cell / spec.grid as f64, cutter);
+    let tool = cutter.map_or(0.0, |cutter| {
+        ROOM_PLACE * Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter).all_places()
+    });
+    ROOM.0 + ROOM.1 * evaluations + tool
+}
+
+/// Rays of a proof, each of which takes `smooth` CPU seconds on metal without a lobe.
+fn ray_seconds(recipe: &Recipe, smooth: f64) -> f64 {
+    let ray = if recipe.metal().is_smooth() { smooth } else { PROOF.2 };
+    ray * recipe.verify.rays as f64
+}
+
+/// The proof of a sheet of so many triangles: as designed, beside facets, as milled.
+fn sheet_proof_seconds(recipe: &Recipe, triangles: usize) -> f64 {
+    if recipe.is_near() {
+        return room_proof_seconds(recipe, triangles) + milled_seconds(recipe);
+    }
+    let facets = recipe.clone().only_for(SurfaceKind::Facets);
+    let beside = design_seconds(&facets) + BESIDE + ray_seconds(recipe, PROOF.1);
+    let (scoring, ray, lobe, triangle) = SHEET_PROOF;
+    let ray = if recipe.metal().is_smooth() { ray } else { lobe };
+    scoring + ray * recipe.verify.rays as f64 + triangle * triangles as f64 + beside + milled_seconds(recipe)
+}
+
+fn room_proof_seconds(recipe: &Recipe, triangles: usize) -> f64 {
+    ROOM_PROOF.0 + ray_seconds(recipe, ROOM_PROOF.1) + ROOM_PROOF.2 * triangles as f64
+}
+
+/// The proof of the plate as milled; 0 without a cutter.
+fn milled_seconds(recipe: &Recipe) -> f64 {
+    let [width, height] = recipe.plate.size;
+    recipe.design.sheet.cutter.map_or(0.0, |cutter| MILLED.0 + MILLED.1 * places(width * height, cutter))
 }
 
 fn design_seconds(recipe: &Recipe) -> f64 {
@@ -181,6 +252,8 @@ fn interpolated(measured: Measured, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::milling::machine::Machine;
+    use crate::recipe::{Cutter, MachiningSettings};
 
     #[test]
     fn a_sheet_of_few_nodes_takes_as_long_as_its_tool_has_places() {
@@ -194,6 +267,63 @@ mod tests {
         // 8.5 s were measured.
         assert!((6.0..12.0).contains(&seconds(1.0)), "{}", seconds(1.0));
         assert!(seconds(0.25) > 2.0 * seconds(1.0));
+    }
+
+    /// A sheet of `cells` and `grid`, for a ball of so many mm if it is more than 0.
+    fn sheet(cells: usize, grid: usize, ball: f64) -> Recipe {
+        let mut recipe = Recipe::default();
+        (recipe.plate.cells, recipe.plate.grid) = (Some(cells.into()), Some(grid));
+        recipe.design.sheet.cutter = Some(ball).filter(|ball| *ball > 0.0).map(Cutter::ball);
+        recipe
+    }
+
+    /// The same with the lamp at 400 mm and the wall at 500 mm.
+    fn in_room(near: NearMethod, grid: usize, ball: f64) -> Recipe {
+        let mut recipe = sheet(3, grid, ball);
+        (recipe.scene.lamp_distance, recipe.scene.wall, recipe.scene.near) = (Some(400.0), Some(500.0), Some(near));
+        recipe.with_implied()
+    }
+
+    #[test]
+    fn varied_designs_take_what_their_dry_runs_say() {
+        let mut milled = sheet(3, 128, 1.0);
+        milled.machining =
+            MachiningSettings { machine: Machine::preset("vmc"), stepover: Some(0.05), ..MachiningSettings::default() };
+        let mut polished = milled.clone();
+        polished.design.sheet.polish = Some(0.04);
+        // CPU seconds of release builds, files and all, on a busy machine: proved or not.
+        for (name, recipe, proved, measured) in [
+            ("facets", Recipe::default().only_for(SurfaceKind::Facets), true, 2.4),
+            ("facets without proof", Recipe::default().only_for(SurfaceKind::Facets), false, 1.1),
+            ("weyrich2009", Recipe::weyrich2009(), true, 3.5),
+            ("sheet", sheet(3, 400, 0.0), true, 10.7),
+            ("ball 0.5", sheet(3, 400, 0.5), false, 13.5),
+            ("ball 1", sheet(3, 400, 1.0), true, 23.3),
+            ("one cell", sheet(1, 400, 0.0), false, 6.0),
+            ("one cell, ball 0.5", sheet(1, 400, 0.5), true, 42.1),
+            ("as made", milled, true, 48.1),
+            ("polished", polished, true, 18.6),
+            ("base", in_room(NearMethod::Base, 64, 0.0), true, 3.7),
+            ("warp", in_room(NearMethod::Warp, 128, 0.0), true, 5.6),
+            ("exact", in_room(NearMethod::Exact, 64, 0.0), true, 7.5),
+            ("exact on finer nodes", in_room(NearMethod::Exact, 128, 0.0), false, 12.4),
+            ("exact, ball 1", in_room(NearMethod::Exact, 64, 1.0), true, 53.8),
+            ("exact, ball 2", in_room(NearMethod::Exact, 64, 2.0), false, 37.5),
+        ] {
+            let told = estimate(&recipe, 256, proved).cpu_seconds();
+            assert!((measured / 1.5..measured * 1.5).contains(&told), "{name}: {told} told, {measured} measured");
+        }
+    }
+
+    #[test]
+    fn times_are_told_for_the_machine_they_are_told_on() {
+        let about = estimate(&sheet(3, 128, 0.0), 256, true);
+        let slower = about.clone().on_machine(0.5, 2);
+        assert_eq!((slower.machine_speed, slower.threads), (0.5, 2));
+        assert!((slower.cpu_seconds() / about.cpu_seconds() - 2.0).abs() < 1e-12);
+        assert_eq!(about.wall_seconds_about, about.cpu_seconds());
+        assert!(slower.wall_seconds_about < slower.cpu_seconds());
+        assert_eq!(slower.on_machine(1.0, 1), about);
     }
 
     #[test]

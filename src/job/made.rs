@@ -31,6 +31,9 @@ use crate::verify::verdict::Verdict;
 /// 0.5 mm with passes 0.02 mm apart, half as many change TV(1°) by 0.0005.
 const ROWS_A_PART: usize = 64;
 
+/// Rows of slopes in all by which a plate that is not polished is judged.
+pub(super) const BARE_ROWS: usize = ROWS_A_PART * PARTS;
+
 /// Solid metal under the lowest point of a plate that is only lit, mm.
 const THICKNESS: f64 = 1.0;
 
@@ -199,8 +202,8 @@ pub(super) fn bare(
     // Rows of a part lie between those of all others.
     let part = |part: usize| {
         let mut tally = Tally::empty(sensor.size());
-        for k in (part..ROWS_A_PART * PARTS).step_by(PARTS).take_while(|_| !progress.is_abandoned()) {
-            let slopes = slopes(k, ROWS_A_PART * PARTS);
+        for k in (part..BARE_ROWS).step_by(PARTS).take_while(|_| !progress.is_abandoned()) {
+            let slopes = slopes(k, BARE_ROWS);
             slopes.iter().filter(|slope| slope.is_finite()).for_each(|slope| count(&mut tally, slope));
         }
         if let Some(blur) = blur {

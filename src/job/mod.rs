@@ -9,6 +9,8 @@
 
 pub mod clock;
 
+pub mod speed;
+
 pub mod near;
 mod sentences;
 

@@ -111,6 +111,15 @@ impl NearDesign {
     }
 }
 
+/// How a design of `recipe` follows its scene, as far as is known without a drawing: as for one whose mean slope lights the
+/// picture's middle. `None` of a far one.
+pub(super) fn likely_method(recipe: &Recipe) -> Option<NearMethod> {
+    let scene = recipe.scene().ok().flatten()?;
+    let mean = recipe.setup().slope_at(DVec2::ZERO)?;
+    let field = NearField::new(&scene, recipe.plate.size.into(), mean)?;
+    Some(chosen(recipe, [None, Some(Warping::Base), None].map(|warping| field.miss(warping))).0)
+}
+
 /// Middle of facet `k`, mm from the plate's middle.
 fn facet_place(grid: &SlopeGrid, k: usize, pitch: DVec2) -> DVec2 {
     let from_middle = |k: usize, of: usize| k as f64 + 0.5 - 0.5 * of as f64;

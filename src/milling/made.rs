@@ -151,6 +151,7 @@ impl Machining {
             places: passes * frame.x / self.place(),
             cuts: passes * along,
             samples: ROWS_A_PASS * passes * along,
+            along,
             thinned: ROWS_A_PASS * passes * columns,
             nodes: columns * columns * frame.y / frame.x,
         }
@@ -180,6 +181,8 @@ pub struct Work {
     pub cuts: f64,
     /// Samples of the surface before polish.
     pub samples: f64,
+    /// Of those, along one pass.
+    pub along: f64,
     /// Of those, what is kept after polish along the passes.
     pub thinned: f64,
     /// Nodes of the polished surface; none without polish.

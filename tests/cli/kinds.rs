@@ -64,14 +64,21 @@ fn a_relief_that_is_worse_than_facets_is_not_praised() {
     assert_eq!(sheet, report["designed"]["tv_incident"]["1"].as_f64().unwrap());
 
     // The figure is that of the facets themselves, and as milled where a cutter is named.
-    assert_done(&run_line(home.path(), "design ring.png -o facets --surface flat --for-cutter ball:1 --rays 50000"));
+    assert_done(&run_line(home.path(), "design ring.png -o facets --surface flat --for-cutter ball:4 --rays 50000"));
     let facets = json(home.path().join("facets/report.json"));
     assert_eq!(facets["designed"]["tv_incident"]["1"].as_f64().unwrap(), flat);
-    let line = "design ring.png -o cut --grid 64 --for-cutter ball:1 --rays 50000 --verbose";
+    let line = "design ring.png -o cut --grid 64 --for-cutter ball:4 --rays 50000 --verbose";
     let told = run_line(home.path(), line);
     assert_done(&told);
     assert!(!told.told().contains("would do better") && told.told().contains("milled alike"), "{}", told.stdout);
     let beside = &json(home.path().join("cut/report.json"))["beside_facets"];
     assert_eq!(beside["tv_incident_1deg"]["flat"], facets["as_milled"]["tv_incident"]["1"]);
     assert_eq!(beside["as_milled"], true);
+
+    // A sheet that is right to what an eye sees is not compared.
+    let told = run_line(home.path(), "design ring.png -o fine --grid 64 --rays 50000");
+    assert_done(&told);
+    let fine = json(home.path().join("fine/report.json"));
+    assert!(fine["designed"]["tv_incident"]["1"].as_f64().unwrap() < 0.005, "{}", fine["designed"]);
+    assert!(fine.get("beside_facets").is_none() && !told.stages.iter().any(|stage| stage.contains("flat facets")));
 }

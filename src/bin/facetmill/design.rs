@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use facetmill::goal::spec::GoalSpec;
 use facetmill::goal::{Goal, GoalError};
+use facetmill::job::clock::wanted_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
+use facetmill::job::speed::relative_speed;
 use facetmill::job::{Job, Outcome, Product, exports, memory};
 use facetmill::memory::MemoryLimit;
 use facetmill::picture::Picture;
@@ -35,8 +37,9 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         let picture = from.picture(args, &mut recipe, limit)?.0;
         let stray = unavoidable_light(&recipe, &picture.light)?;
         let share = stray.map(|stray| stray.share);
-        let report =
-            EstimateReport { least_stray_share: share, ..estimate(&recipe, picture.light.width, !args.no_verify) };
+        let about = estimate(&recipe, picture.light.width, !args.no_verify);
+        let about = about.on_machine(relative_speed(), wanted_threads(args.running.threads));
+        let report = EstimateReport { least_stray_share: share, ..about };
         let refused = limit.admit(memory::need(&recipe, picture.light.width, !args.no_verify)).err();
         tell(&args.running, &report, |report| Table {
             title: "Dry run: nothing was designed or written".into(),

@@ -257,6 +257,7 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         row("design", about(report.design_cpu_seconds_about), "of CPU time"),
         row("proof", about(proof), sent),
         row("files", about(report.files_cpu_seconds_about), "mostly for pictures"),
+        row("time", about(report.wall_seconds_about), on_machine(report)),
         row("memory", format!("about {}", said(report.memory_bytes_about)), "at once, at the most"),
     ];
     if let Some(share) = report.least_stray_share {
@@ -264,6 +265,12 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         table.push(row("straying", percent(share), meaning));
     }
     table
+}
+
+/// On what the time was told.
+fn on_machine(report: &EstimateReport) -> String {
+    let threads = if report.threads == 1 { "1 thread".into() } else { format!("{} threads", report.threads) };
+    format!("on {threads} with nothing beside; {:.1} CPU s in all", report.cpu_seconds())
 }
 
 /// A mesh that was scored against a picture.

@@ -1,5 +1,8 @@
 //! The descent over a whole plate, from wide blurs to the eye's.
 
+use glam::DVec2;
+
+use crate::cutter::Cutter;
 use crate::descent::{Descent, minimise};
 use crate::near::NearField;
 use crate::progress::{Cancelled, Progress};
@@ -91,8 +94,7 @@ pub fn exact(
     progress: &Progress,
 ) -> Result<Option<ExactSheet>, Cancelled> {
     let eye = (EYE / near.scene().wall_distance()).atan().to_degrees();
-    let longest = start.nodes[0].max(start.nodes[1]) - 1;
-    let halved = longest > COARSE && start.nodes.iter().all(|n| (n - 1).is_multiple_of(2));
+    let halved = is_halved(start.nodes.map(|n| n - 1));
     let mut sheet = ExactSheet { relief: start, misplaced: Vec::new(), fillets: 0.0 };
     let stages = stages(eye);
     let all: f64 = stages.iter().map(|stage| cost(stage, halved)).sum();
@@ -129,6 +131,21 @@ pub fn exact(
 /// About how long a stage takes, in any unit.
 fn cost(stage: &RoomStage, halved: bool) -> f64 {
     stage.steps as f64 * if stage.coarse && halved { 0.25 } else { 1.0 }
+}
+
+/// Evaluations of the loss that a descent over a plate of `squares` of `step` mm takes, times the nodes of its lattice; and that
+/// lattice.
+pub(crate) fn evaluations(squares: [usize; 2], step: DVec2, cutter: Option<Cutter>) -> (f64, PlateGrid) {
+    let grid = PlateGrid::new(squares, step, cutter);
+    let halved = is_halved(squares);
+    // The eye's blur changes no stage's steps.
+    let steps: f64 = stages(FINEST_END).iter().map(|stage| cost(stage, halved)).sum();
+    (steps * (grid.lattice.n as f64).powi(2), grid)
+}
+
+/// Whether the wide blurs of a plate of so many squares are descended on every second node.
+fn is_halved(squares: [usize; 2]) -> bool {
+    squares[0].max(squares[1]) > COARSE && squares.iter().all(|n| n.is_multiple_of(2))
 }
 
 /// One stage from `relief`: what comes of it, the misplaced light before and after, and the share of fillets.

@@ -1,0 +1,70 @@
+//! How fast this machine is beside the one on which times were measured.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+
+/// CPU seconds of [`kernel`] on the machine on which the constants of `estimate` were measured, with nothing beside it.
+const REFERENCE: f64 = 3.4e-4;
+
+/// The longest that measuring may take.
+const LONGEST: Duration = Duration::from_millis(40);
+
+/// Runs of the kernel at the most: the fastest of so few is already within a tenth of the fastest of a hundred.
+const RUNS: usize = 12;
+
+/// Nodes a side of the kernel's grid; with its table it takes as much of the cache as the first descents do.
+const SIDE: usize = 256;
+
+/// Bins of the kernel's table.
+const BINS: usize = 1 << 14;
+
+/// How many times as fast a thread of this machine is as one of the machine on which times were measured, by the fastest of
+/// some runs of a small piece of what designs do. Takes at most 50 ms, and changes nothing else.
+pub fn relative_speed() -> f64 {
+    let begun = Instant::now();
+    let mut heights: Vec<f32> = (0..SIDE * SIDE).map(|k| (k * 7919 % 1013) as f32 * 1e-3).collect();
+    let mut table = vec![0.0f32; BINS];
+    let mut fastest = f64::INFINITY;
+    for _ in 0..RUNS {
+        let from = ThreadTime::now();
+        kernel(&mut heights, &mut table);
+        fastest = fastest.min(from.elapsed().as_secs_f64());
+        if begun.elapsed() > LONGEST {
+            break;
+        }
+    }
+    black_box((&heights, &table));
+    // A clock too coarse for the kernel says nothing.
+    if fastest > 0.0 { REFERENCE / fastest } else { 1.0 }
+}
+
+/// Slopes of a grid of heights, their lengths, a histogram of them, and heights moved by what is read from it.
+fn kernel(heights: &mut [f32], table: &mut [f32]) {
+    for row in 0..SIDE - 1 {
+        for column in 0..SIDE - 1 {
+            let at = row * SIDE + column;
+            let (x, y) = (heights[at + 1] - heights[at], heights[at + SIDE] - heights[at]);
+            let length = (1.0 + x * x + y * y).sqrt();
+            let bin = ((x.abs() + 61.0 * y.abs()) * 97.0 / length) as usize % BINS;
+            table[bin] = 0.99 * table[bin] + 0.01 / length;
+            heights[at] += 1e-4 * (table[bin] - heights[at]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_speed_of_the_machine_is_known_within_50_ms_and_stays_the_same() {
+        let begun = ThreadTime::now();
+        let speeds: [f64; 2] = [(); 2].map(|()| relative_speed());
+        let spent = begun.elapsed();
+        assert!(spent < Duration::from_millis(100), "{spent:?}");
+        assert!(speeds.iter().all(|speed| (0.02..50.0).contains(speed)), "{speeds:?}");
+        assert!((0.5..2.0).contains(&(speeds[0] / speeds[1])), "{speeds:?}");
+    }
+}
