@@ -299,6 +299,11 @@ mod tests {
     fn reliefs_deeper_than_allowed_are_refused() {
         assert!(shallow_enough(9.0, None).is_ok() && shallow_enough(0.509, Some(0.5)).is_ok());
         let error = shallow_enough(0.511, Some(0.5)).unwrap_err().to_string();
-        assert!(["0.511", "0.5 mm", "--max-depth", "--cells"].iter().all(|part| error.contains(part)), "{error}");
+        assert!(
+            ["0.511", "0.5 mm", "of a cell about its mean plane", "--max-depth", "--cells"]
+                .iter()
+                .all(|part| error.contains(part)),
+            "{error}"
+        );
     }
 }

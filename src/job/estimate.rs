@@ -60,7 +60,7 @@ const ROOM: (f64, f64) = (0.5, 3.5e-7);
 
 /// CPU seconds a place of the tool over such a plate, without steps, on which valleys are filled again and again. 30 mm for balls
 /// of 1 and 2 mm, 9.9 and 5.6 million places, took 40 and 32 s.
-const ROOM_PLACE: f64 = 4.6e-6;
+const ROOM_PLACE: f64 = 4e-6;
 
 /// CPU seconds of the proof in a room: any, a ray, a triangle, which is thrown onto a dozen walls. Plates of 74,000 and 295,000
 /// triangles took 2.2 and 3.1 s with 2 million rays.

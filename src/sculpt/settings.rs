@@ -19,7 +19,7 @@ pub struct SheetSettings {
     /// Details of a sheet narrower than this are left out, mm.
     #[serde(with = "zero_is_none")]
     pub min_feature: Option<f64>,
-    /// The most that a cell of a sheet may rise about its mean plane, mm.
+    /// The most from the lowest to the highest point of a cell of a sheet about its mean plane, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_depth: Option<f64>,
     /// Whether it is a preview: on few nodes, by few steps, and never a plate to be made.

@@ -26,6 +26,9 @@ const TRAVEL: f64 = 1.0;
 /// How far a cut may pass below the plate, mm: chord and rounding of a program of three decimals.
 const TOLERANCE: f64 = 1e-3;
 
+/// By what share hours of a program and those of passes alone differ that are worth a word.
+const HOURS_APART: f64 = 0.05;
+
 /// Which program it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
@@ -273,6 +276,23 @@ impl Shop {
             heading.push(format!("Feed {:.0} mm/min, {:.0} turns a minute: {SOURCE}", pace.feed, pace.speed));
         }
         heading
+    }
+
+    /// Why finishing takes longer than is told of a plate that is designed for it, if it does: what is told there knows
+    /// passes and feed alone.
+    pub fn hours_beside(&self, ways: &Ways, files: &[ShopFile]) -> Option<String> {
+        let finishing = files.iter().find(|file| file.part == Part::Finishing)?;
+        let hours = finishing.judgement.timing.seconds / 3600.0;
+        let Machining { machine, passes, .. } = &self.machining;
+        let told = ways.hours(machine, passes.zigzag);
+        (hours > (1.0 + HOURS_APART) * told).then(|| {
+            format!(
+                "Finishing takes {hours:.2} h, where design, verify and plan tell {told:.2} h: they reckon every pass at \
+                 {:.0} mm/min and the way back as a rapid; the program's own lifts, descents, corners and feed of {:.0} \
+                 mm/min are in these.",
+                machine.feed, finishing.pace.feed
+            )
+        })
     }
 
     fn about_finishing(&self, machining: &Machining) -> Vec<String> {

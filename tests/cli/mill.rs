@@ -29,6 +29,8 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
         expected.sort_unstable();
         assert_eq!(names(&folder), expected);
         let report = json(folder.join("report.json"));
+        // Hours of the program itself, and why they are more than those of passes alone.
+        assert!(report["advice"].to_string().contains("where design, verify and plan tell"), "{report}");
         // 12 × 8 mm and a rim of 1 mm around it.
         assert_eq!(report["stock_mm"][0].as_f64().unwrap().round(), 14.0);
         for program in report["programs"].as_array().unwrap() {

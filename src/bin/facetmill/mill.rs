@@ -92,6 +92,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     let ways = machining.ways_over(&tips, plate, &progress)?;
     let files = shop.programs(&opened.mesh, &tips, &ways, &progress)?;
     let mut advice = advice(&shop, &opened, &recipe, margin);
+    advice.extend(shop.hours_beside(&ways, &files));
     let made = match drawn {
         Ok(drawn) => made(&machining, &ways, drawn, &recipe, (limit, &progress))?,
         Err(why) => {

@@ -313,7 +313,8 @@ fn made(made: &MadeFacts) -> Vec<Row> {
     let cusps = format!("between passes {stepover_mm} mm apart, before any polish");
     table.push(row("cusps", format!("{cusp_height_um:.3} µm"), cusps));
     table.push(row("false spot", percent(made.central_spot), "of the light goes where a level plate throws it"));
-    let finishing = format!("of finishing by {} at {} mm/min", machine.name, machine.feed);
+    let finishing =
+        format!("of passes by {} at {} mm/min; mill tells what lifts and corners add", machine.name, machine.feed);
     table.push(row("time", format!("{:.2} h", made.finishing_hours), finishing));
     table
 }

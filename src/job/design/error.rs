@@ -50,7 +50,7 @@ pub enum DesignError {
     NoLight,
     /// The sheet did not become as shallow as asked.
     #[error(
-        "the relief is {depth:.3} mm deep where {most} mm were allowed: raise --max-depth, or --cells, since smaller cells are shallower"
+        "the relief is {depth:.3} mm deep where {most} mm were allowed, from the lowest to the highest point of a cell about its mean plane: raise --max-depth, or --cells, since smaller cells are shallower"
     )]
     TooDeep {
         /// What was reached about the mean plane, mm.

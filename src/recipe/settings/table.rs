@@ -316,9 +316,9 @@ pub(super) const GENERAL: &[Setting] = &[
         name: "max-depth",
         key: "design.max-depth",
         ranges: &[[1e-4, 1000.0]],
-        help: "The most that a cell of a sheet may rise about its mean plane, mm",
-        more: "Shallow reliefs need many hills, and each hill valleys: light is less exact, more so for a wide cutter. A \
-               relief that stays too deep is refused. Smaller cells (--cells) are shallower by themselves.",
+        help: "The most from the lowest to the highest point of a cell of a sheet about its mean plane, mm",
+        more: "Shallow reliefs need many hills, and so valleys: light is less exact. A relief that stays too deep is \
+               refused. Smaller cells (--cells) are shallower. The plate's mean slope tilts it on top of that.",
         remedy: "raise --max-depth",
         at: |recipe| &mut recipe.design.sheet.max_depth,
         ..SHEET

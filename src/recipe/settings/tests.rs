@@ -129,7 +129,7 @@ fn what_only_one_kind_of_relief_has_can_be_left_out() {
 }
 
 #[test]
-fn nothing_given_is_written_as_it_always_was_and_0_is_read_as_nothing() {
+fn nothing_given_is_written_as_it_always_was_and_0_is_read_as_nothing_and_one_side_as_both() {
     let old = "[design]\ncutter = 'ball:0.5'\nlevelling = 0\nmin-feature = 0.0\nmax-depth = 2\nseed = 7\n";
     let recipe = Recipe::from_toml(old).unwrap();
     let sheet = recipe.design.sheet;
@@ -146,6 +146,8 @@ fn nothing_given_is_written_as_it_always_was_and_0_is_read_as_nothing() {
     assert_eq!(read("polish", "0"), Recipe::default());
     assert_eq!(read("polish", "0.02").design.sheet.polish, Some(0.02));
     assert_eq!(read("border", "0").plate.border, 0.0);
+    assert_eq!(read("size", "30").plate.size, [30.0; 2]);
+    assert_eq!(read("size", "30x20").plate.size, [30.0, 20.0]);
     assert_eq!(read("max-depth", "0").design.sheet.max_depth, Some(0.0));
 }
 

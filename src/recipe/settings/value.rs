@@ -97,7 +97,7 @@ impl<T: Value + Default> Value for Option<T> {
 
 /// One number, or two with an x between them.
 macro_rules! numbers {
-    ($($number:ty: $parse:ident),+ $(,)?) => {$(
+    ($($number:ty: $parse:ident, $two:ident);+ $(;)?) => {$(
         impl Value for $number {
             fn read(&mut self, text: &str) -> Result<(), String> {
                 $parse(text).map(|value| *self = value)
@@ -114,7 +114,7 @@ macro_rules! numbers {
 
         impl Value for [$number; 2] {
             fn read(&mut self, text: &str) -> Result<(), String> {
-                pair(text, 'x', $parse).map(|values| *self = values)
+                $two(text, $parse).map(|values| *self = values)
             }
 
             fn written(&self) -> Option<String> {
@@ -129,13 +129,22 @@ macro_rules! numbers {
     )+};
 }
 
-numbers!(f64: number, u64: whole, usize: count);
+numbers!(f64: number, one_or_two; u64: whole, two; usize: count, two);
+
+/// Two numbers with an x between them.
+fn two<T>(text: &str, parse: fn(&str) -> Result<T, String>) -> Result<[T; 2], String> {
+    pair(text, 'x', parse)
+}
+
+/// The same, or one for both sides.
+fn one_or_two<T: Copy>(text: &str, parse: fn(&str) -> Result<T, String>) -> Result<[T; 2], String> {
+    if text.contains('x') { pair(text, 'x', parse) } else { Ok([parse(text)?; 2]) }
+}
 
 /// One number for both sides, or two with an x between them.
 impl Value for Cells {
     fn read(&mut self, text: &str) -> Result<(), String> {
-        let cells = if text.contains('x') { pair(text, 'x', count)? } else { [count(text)?; 2] };
-        self.0 = cells;
+        self.0 = one_or_two(text, count)?;
         Ok(())
     }
 
@@ -152,7 +161,7 @@ impl Value for Cells {
 /// One angle both ways, or two with an x between them.
 impl Value for HalfField {
     fn read(&mut self, text: &str) -> Result<(), String> {
-        self.0 = if text.contains('x') { pair(text, 'x', number)? } else { [number(text)?; 2] };
+        self.0 = one_or_two(text, number)?;
         Ok(())
     }
 

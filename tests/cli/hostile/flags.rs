@@ -47,7 +47,7 @@ const DESIGN: &[(&str, i32, &str)] = &[
     ("--invert=maybe", 2, "--invert"),
     ("--size 0x0", 2, "--size"),
     ("--size -3x3", 2, "--size"),
-    ("--size 30", 2, "--size"),
+    ("--size 30x", 2, "--size"),
     ("--size 30x", 2, "--size"),
     ("--size x30", 2, "--size"),
     ("--size 30x30x30", 2, "--size"),
