@@ -56,6 +56,8 @@ pub mod exports;
 
 pub mod patches;
 
+pub mod patch_check;
+
 mod patch_report;
 
 pub mod plan;

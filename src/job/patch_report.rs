@@ -1,7 +1,7 @@
 //! What is said of a plate of patches, and its files.
 
 use super::exports::{HEIGHT_MAP_SIDE, RELIEF_PICTURE_SIDE};
-use super::patches::{PatchProduct, SeenPatches};
+use super::patches::{PatchProduct, PatchProof, SeenPatches};
 use super::product::{Content, png};
 use crate::export::heightmap::height_map;
 use crate::export::patch_page::{PatchPage, patch_picture};
@@ -12,7 +12,7 @@ use crate::picture::Picture;
 use crate::progress::{Cancelled, Progress, Stage};
 use crate::relief::open::NodeGrid;
 use crate::report::patches::*;
-use crate::report::{Named, PROGRAM, PictureFacts, text};
+use crate::report::{MeshFacts, Named, PROGRAM, PictureFacts, text};
 use crate::sculpt::detail::WAVELENGTH;
 
 /// Width of a patch, mm, below which diffraction is told.
@@ -25,14 +25,6 @@ impl PatchProduct {
     /// Everything that is known of it; `picture` is that of a portrait.
     pub fn report(&self, picture: Option<&Picture>) -> PatchesReport {
         let Self { recipe, proof, .. } = self;
-        let [theta, phi] = recipe.viewer().0;
-        let scored = |seen: &SeenPatches, left_mm| PatchScoreFacts {
-            scores: seen.scores,
-            left_mm,
-            paths_a_pixel: proof.as_ref().map_or(0, |proof| proof.settings.rays),
-            resolution: seen.view.radiance.width,
-        };
-        let cut = proof.as_ref().and_then(|proof| proof.cut.as_ref());
         let total = ("total", self.seconds.iter().map(|(_, seconds)| seconds).sum::<f64>());
         let patches = self.patch_facts();
         let advice = self.advice(&patches);
@@ -41,19 +33,53 @@ impl PatchProduct {
             picture: picture.map(|picture| PictureFacts::new(picture, recipe.patches.portrait.clone())),
             recipe: recipe.clone(),
             patches,
-            viewer: ViewerFacts { theta, phi, distance_mm: recipe.viewer_distance() },
+            viewer: self.viewer_facts(),
             reachable: self.reachable(),
             stl: PatchStlFacts {
                 units: "mm",
                 triangles: self.mesh.triangles.len(),
                 bytes: stl_bytes(self.mesh.triangles.len()),
             },
-            designed: proof.as_ref().map(|proof| scored(&proof.written, None)),
-            as_milled: cut.map(|(seen, left)| scored(seen, Some(*left))),
+            designed: proof.as_ref().map(|proof| proof.scored(&proof.written, None)),
+            as_milled: proof.as_ref().and_then(PatchProof::scored_cut),
             verdict: self.verdict(),
             advice,
             cpu_seconds: Named::from_iter(self.seconds.iter().copied().chain([total])),
         }
+    }
+
+    /// What is known of it if it was found in the file of `plate`, and whether no more than `at_most` of the light is in other
+    /// patches than it should; `picture` is that of a portrait.
+    pub fn verified(&self, plate: MeshFacts, picture: Option<&Picture>, at_most: Option<f64>) -> PatchesVerifyReport {
+        let Self { recipe, proof, .. } = self;
+        let mut advice = self.advice(&self.patch_facts());
+        if recipe.design.sheet.cutter.is_some() && proof.as_ref().is_some_and(|proof| proof.cut.is_none()) {
+            advice
+                .push("The plate in the file is none of its recipe's: it was not milled again, only looked at.".into());
+        }
+        let allowed = |share: f64| {
+            let proof = proof.as_ref()?;
+            let tv = proof.decisive().scores.tv;
+            Some(AllowedInPatches { share, tv, as_milled: proof.cut.is_some(), kept: tv <= share })
+        };
+        PatchesVerifyReport {
+            program: PROGRAM,
+            plate,
+            picture: picture.map(|picture| PictureFacts::new(picture, recipe.patches.portrait.clone())),
+            recipe: recipe.clone(),
+            viewer: self.viewer_facts(),
+            reachable: self.reachable(),
+            measured: proof.as_ref().map(|proof| proof.scored(&proof.written, None)),
+            as_milled: proof.as_ref().and_then(PatchProof::scored_cut),
+            at_most: at_most.and_then(allowed),
+            verdict: self.verdict(),
+            advice,
+        }
+    }
+
+    fn viewer_facts(&self) -> ViewerFacts {
+        let [theta, phi] = self.recipe.viewer().0;
+        ViewerFacts { theta, phi, distance_mm: self.recipe.viewer_distance() }
     }
 
     fn patch_facts(&self) -> PatchFacts {
@@ -182,6 +208,15 @@ impl PatchProduct {
         let relief = ReliefPicture { relief: &faceted, continuous: true, made_of: &made_of };
         let relief = relief.picture(RELIEF_PICTURE_SIDE, progress)?;
         keep("relief.png", &mut |out| png(&relief, out))?;
+        self.write_pictures(keep)?;
+        keep("recipe.toml", &mut |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
+        progress.check()?;
+        keep("report.json", &mut |out| out.write_all(text(report).as_bytes()))
+    }
+
+    /// Hands what is wanted and what is seen to `keep`, by name and content.
+    pub fn write_pictures<E>(&self, keep: &mut impl FnMut(&'static str, Content) -> Result<(), E>) -> Result<(), E> {
+        let made_of = self.made_of();
         keep("target.png", &mut |out| png(&patch_picture(&self.wanted, self.wanted.max()), out))?;
         if let Some(proof) = &self.proof {
             let view = &proof.decisive().view;
@@ -192,9 +227,7 @@ impl PatchProduct {
                 keep("comparison_milled.png", &mut |out| png(&self.page(cut, "as cut"), out))?;
             }
         }
-        keep("recipe.toml", &mut |out| out.write_all(self.recipe.to_toml().as_bytes()))?;
-        progress.check()?;
-        keep("report.json", &mut |out| out.write_all(text(report).as_bytes()))
+        Ok(())
     }
 
     /// What the relief is made of, in words.
@@ -220,5 +253,17 @@ impl PatchProduct {
         ];
         let heading = format!("{width} × {height} mm, {}", self.made_of());
         PatchPage { wanted: &self.wanted, seen: &seen.seen.seen, heading: &heading, notes: &notes }.picture()
+    }
+}
+
+impl PatchProof {
+    fn scored(&self, seen: &SeenPatches, left_mm: Option<f64>) -> PatchScoreFacts {
+        let (paths_a_pixel, resolution) = (self.settings.rays, seen.view.radiance.width);
+        PatchScoreFacts { scores: seen.scores, left_mm, paths_a_pixel, resolution }
+    }
+
+    fn scored_cut(&self) -> Option<PatchScoreFacts> {
+        let (seen, left) = self.cut.as_ref()?;
+        Some(self.scored(seen, Some(*left)))
     }
 }

@@ -151,7 +151,10 @@ pub fn design_patches(
         seconds: Vec::new(),
     };
     if proved {
-        product.proof = Some(prove(&product, &mut clock, progress)?);
+        // The triangles themselves, as they stand in the file.
+        let plate = TracedPlate::new(&product.mesh, product.recipe.plate.border, progress)?;
+        let standing = Standing { plate: &plate, level: mean_height(&product.relief), relief: Some(&product.relief) };
+        product.proof = Some(prove(&product, standing, &mut clock, progress)?);
     }
     product.seconds = clock.into_laps();
     Ok(product)
@@ -182,8 +185,29 @@ impl Task for Camera<'_> {
     }
 }
 
-fn prove(product: &PatchProduct, clock: &mut Clock, progress: &Progress) -> Result<PatchProof, PatchError> {
-    let PatchProduct { recipe, patches, relief, .. } = product;
+/// A plate of patches as it stands, the lower left corner of its optical area at x = y = 0.
+pub(super) struct Standing<'a> {
+    /// Its triangles.
+    pub plate: &'a TracedPlate,
+    /// Their mean height, mm, at which patches are told apart.
+    pub level: f64,
+    /// The heights of the patches' own nodes above their rims, for a cutter; `None` if it has no such nodes.
+    pub relief: Option<&'a OpenRelief>,
+}
+
+/// Mean height of a relief, mm.
+pub(super) fn mean_height(relief: &OpenRelief) -> f64 {
+    relief.heights.iter().map(|z| f64::from(*z)).sum::<f64>() / relief.heights.len() as f64
+}
+
+/// What the viewer of the product's recipe sees of the plate that stands there, beside what is wanted.
+pub(super) fn prove(
+    product: &PatchProduct,
+    standing: Standing,
+    clock: &mut Clock,
+    progress: &Progress,
+) -> Result<PatchProof, PatchError> {
+    let PatchProduct { recipe, patches, .. } = product;
     let [theta, phi] = recipe.viewer().0;
     let (distance, border) = (recipe.viewer_distance(), recipe.plate.border);
     let side = resolution(patches);
@@ -199,21 +223,21 @@ fn prove(product: &PatchProduct, clock: &mut Clock, progress: &Progress) -> Resu
         ..ViewSettings::default()
     };
     let camera = || Camera { recipe, settings, progress };
-    let judged = |(view, middle): (RenderedView, DVec3), relief: &OpenRelief| {
-        let level = relief.heights.iter().map(|z| f64::from(*z)).sum::<f64>() / relief.heights.len() as f64;
+    let judged = |(view, middle): (RenderedView, DVec3), level: f64| {
         let seen = PatchView::new(&view, &settings, patches, middle, level);
         let scores = seen.scores(&product.wanted);
         SeenPatches { view, seen, scores }
     };
     progress.stage(Stage::View);
-    // The triangles themselves, as they stand in the file.
-    let written = judged(TracedPlate::new(&product.mesh, border, progress)?.run(camera())?, relief);
+    let written = judged(standing.plate.run(camera())?, standing.level);
     clock.lap(Stage::View);
-    let Some(cutter) = recipe.design.sheet.cutter else { return Ok(PatchProof { settings, written, cut: None }) };
+    let (Some(cutter), Some(relief)) = (recipe.design.sheet.cutter, standing.relief) else {
+        return Ok(PatchProof { settings, written, cut: None });
+    };
     progress.stage(Stage::Milling);
     let left = milled(patches, relief, cutter, progress)?;
     let surface = GridSurface::continuous(&left.relief.height_grid(progress)?, progress)?;
-    let cut = judged(camera().on(&surface)?, &left.relief);
+    let cut = judged(camera().on(&surface)?, mean_height(&left.relief));
     clock.lap(Stage::Milling);
     Ok(PatchProof { settings, written, cut: Some((cut, left.most_left)) })
 }
@@ -282,6 +306,16 @@ pub enum PatchError {
         width: f64,
         /// Of the plate, mm.
         height: f64,
+    },
+    /// A plate in a file that is not of the recipe's size.
+    #[error(
+        "the plate is {:.3} × {:.3} mm without its rim, and that of its recipe {} × {} mm: check --unit and --margin", found[0], found[1], wanted[0], wanted[1]
+    )]
+    Size {
+        /// Of the plate in the file, mm.
+        found: [f64; 2],
+        /// Of the recipe's, mm.
+        wanted: [f64; 2],
     },
     /// No such picture can be shown.
     #[error(transparent)]

@@ -7,12 +7,15 @@ use image::{EncodableLayout, ImageBuffer, PixelWithColorType};
 use super::compare::FacetComparison;
 use super::design::{Design, DesignError};
 use super::findings::Proof;
-use super::goal::{GoalProof, prove_goal};
+use super::goal::{GoalPlates, GoalProof, prove_goal};
+use super::proof::milled_plate;
 use crate::export::pixels::encode_png;
 use crate::goal::Goal;
 use crate::progress::Progress;
 use crate::recipe::{BorderFinish, Recipe};
 use crate::report::design::made_of;
+use crate::trace::grid::GridSurface;
+use crate::trace::traced_plate::TracedPlate;
 
 /// What a file holds, written when it is asked for.
 pub type Content<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
@@ -33,15 +36,26 @@ pub struct Product {
 }
 
 impl Product {
-    /// Keeps `goal`, and if light was sent over the plate, proves it over lamps from 0° to 60°; see [`prove_goal`].
+    /// Keeps `goal`, and if light was sent over the plate, proves it over lamps from 0° to 60°, as designed and as cut; see
+    /// [`prove_goal`].
     ///
     /// # Errors
     /// The plate cannot be traced, no light meets it, or it is cancelled.
     pub fn prove_goal(&mut self, goal: &Goal, progress: &Progress) -> Result<(), DesignError> {
-        self.goal = Some(match self.proof {
-            Some(_) => prove_goal(&self.recipe, &self.design, goal, progress)?,
-            None => GoalProof::untraced(goal),
-        });
+        let Self { recipe, design, .. } = self;
+        if self.proof.is_none() {
+            self.goal = Some(GoalProof::untraced(goal));
+            return Ok(());
+        }
+        let border = recipe.plate.border;
+        let written = match &design.sheet {
+            None => TracedPlate::Facets(GridSurface::new(&design.relief, progress)?),
+            // The triangles themselves, as they stand in the file.
+            Some(_) => TracedPlate::new(&design.mesh, border, progress)?,
+        };
+        let milled = milled_plate(recipe, &design.mesh, border, progress)?;
+        let plates = GoalPlates { written: &written, milled: milled.as_ref() };
+        self.goal = Some(prove_goal(recipe, goal, &design.distribution.setup, plates, progress)?);
         Ok(())
     }
 

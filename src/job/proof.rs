@@ -26,6 +26,9 @@ use crate::verify::tally::{MeasureError, Measurement};
 use crate::verify::verdict::Verdict;
 use crate::verify::windows::{Wanted, change, likeness};
 
+/// Lines along a side of the milled plate that light from any side is sent over, at the most: 4 million nodes of 50 bytes.
+const MOST_LINES: usize = 2000;
+
 /// Sends light over the design's exact relief, and over it as its cutter and polish leave it, and scores what comes back
 /// against the picture.
 pub fn prove(recipe: &Recipe, light: &Raster, design: &Design, progress: &Progress) -> Result<Proof, DesignError> {
@@ -180,6 +183,37 @@ pub fn send_over_milled_mesh(
         }
         None => Ok(None),
     }
+}
+
+/// The plate of `recipe` that stands in `mesh`, as its cutter and polish leave it, for light from any side; `None` without
+/// them, or if the mesh is no such plate. The optical area is the xy bounding box less `margin` mm on each side.
+///
+/// Of a sheet as many cells side by side as [`MOST_LINES`] allow: far from the normal, what a hill shades lies beyond its cell.
+///
+/// # Errors
+/// The work is cancelled.
+pub fn milled_plate(
+    recipe: &Recipe,
+    mesh: &Mesh,
+    margin: f64,
+    progress: &Progress,
+) -> Result<Option<TracedPlate>, DesignError> {
+    let cutter = recipe.design.sheet.cutter;
+    if cutter.is_none() && recipe.design.sheet.polish.is_none() {
+        return Ok(None);
+    }
+    progress.stage(Stage::Milling);
+    let grid = match (within_rim(mesh, margin, progress)?, cutter) {
+        (Some((Recognised::Heights(grid), (low, high))), _) => {
+            let Some(relief) = repeated(&grid, low, high, recipe.cells()) else { return Ok(None) };
+            let made = CutSheet::of(recipe, &relief, progress)?.relief;
+            let cells = relief.cells.map(|cells| cells.min(MOST_LINES / made.nodes).max(1));
+            PeriodicRelief { cells, ..made }.height_grid(progress)?
+        }
+        (Some((Recognised::Facets(relief), _)), Some(cutter)) => milled_facets(&relief, cutter, progress)?.surface,
+        _ => return Ok(None),
+    };
+    Ok(Some(TracedPlate::Heights(GridSurface::continuous(&grid, progress)?)))
 }
 
 /// Light sent over facets as their cutter leaves them, and the most that it leaves, mm.

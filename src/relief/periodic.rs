@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::height_grid;
+use super::height_grid::{self, HeightGrid};
+use crate::progress::{Cancelled, Progress};
 use crate::slope::Slope;
 
 /// A periodic height grid repeated over a plate, with a mean slope of its own.
@@ -59,6 +60,17 @@ impl PeriodicRelief {
     /// Size of the optical area, mm.
     pub fn size(&self) -> DVec2 {
         self.cell * DVec2::new(self.cells[0] as f64, self.cells[1] as f64)
+    }
+
+    /// The same on grid lines.
+    ///
+    /// # Errors
+    /// The work is abandoned.
+    pub fn height_grid(&self, progress: &Progress) -> Result<HeightGrid, Cancelled> {
+        let ([nx, ny], step) = (self.plate_nodes(), self.step());
+        let lines = |nodes: usize, step: f64| (0..nodes).map(|k| k as f64 * step).collect();
+        let heights = (0..nx * ny).map(|k| self.node(k % nx, k / nx).z).collect();
+        HeightGrid::new(lines(nx, step.x), lines(ny, step.y), heights, progress)
     }
 
     /// How far a cell rises from its lowest to its highest point about the mean plane, mm.

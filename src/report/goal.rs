@@ -20,6 +20,18 @@ pub struct GoalFacts {
     pub slices: Vec<GoalSlice>,
     /// The proof in a sentence, if light was sent.
     pub verdict: Option<String>,
+    /// The same of the plate as its cutter and polish leave it, if it has them and light was sent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_milled: Option<MilledGoalFacts>,
+}
+
+/// A goal and the plate beside it as its cutter and polish leave it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MilledGoalFacts {
+    /// Goal and plate under the same lamps as the plate as designed.
+    pub slices: Vec<GoalSlice>,
+    /// The proof in a sentence, beside that of the plate as designed.
+    pub verdict: String,
 }
 
 /// Goal and plate under one lamp.

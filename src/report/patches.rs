@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Named, PictureFacts};
+use super::{MeshFacts, Named, PictureFacts};
 use crate::recipe::Recipe;
 use crate::verify::patch_view::PatchScores;
 
@@ -38,6 +38,50 @@ pub struct PatchesReport {
     pub advice: Vec<String>,
     /// CPU seconds by stage.
     pub cpu_seconds: Named,
+}
+
+/// A plate of patches in a file, looked at once more.
+#[derive(Clone, Debug, Serialize)]
+pub struct PatchesVerifyReport {
+    /// The program and its version.
+    pub program: &'static str,
+    /// The mesh.
+    pub plate: MeshFacts,
+    /// The picture, of a portrait.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub picture: Option<PictureFacts>,
+    /// Every setting under which it was looked at.
+    pub recipe: Recipe,
+    /// Who looks.
+    pub viewer: ViewerFacts,
+    /// What a portrait can show.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reachable: Option<ReachableFacts>,
+    /// What a camera at the viewer's place sees of the plate as it stands in the file.
+    pub measured: Option<PatchScoreFacts>,
+    /// The same of the plate as its cutter leaves it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub as_milled: Option<PatchScoreFacts>,
+    /// What was allowed, and what came of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<AllowedInPatches>,
+    /// How it looks, in a sentence.
+    pub verdict: Option<String>,
+    /// What a person should know; empty if nothing is off.
+    pub advice: Vec<String>,
+}
+
+/// How much light may be in other patches than it should, and how much is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct AllowedInPatches {
+    /// The most that may, as a share of the light of all patches.
+    pub share: f64,
+    /// What is in another patch.
+    pub tv: f64,
+    /// Whether that is of the plate as milled.
+    pub as_milled: bool,
+    /// Whether it is no more than may be.
+    pub kept: bool,
 }
 
 /// The patches of a plate.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::design::MilledFacts;
+use super::goal::GoalFacts;
 use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
@@ -10,7 +11,7 @@ use super::{MeshFacts, PictureFacts};
 use crate::brdf::material::Material;
 use crate::recipe::{HighlightSettings, LightSettings};
 
-/// Light over any mesh, scored against a picture.
+/// Light over any mesh, scored against a picture or the slice of a goal.
 #[derive(Clone, Debug, Serialize)]
 pub struct VerifyReport {
     /// The program and its version.
@@ -41,6 +42,9 @@ pub struct VerifyReport {
     /// The same of the plate as its recipe's cutter leaves it, if it has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_milled: Option<MilledFacts>,
+    /// The goal, if a folder's recipe has one in place of a picture, and the plate beside it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal: Option<GoalFacts>,
     /// The same of the plate as a machine makes it, if one is named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_made: Option<MadeFacts>,

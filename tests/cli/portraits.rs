@@ -1,6 +1,9 @@
 //! A picture that stands on the metal.
 
 use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
 
 use super::program::{home, run_line};
 use super::reports::assert_published;
@@ -30,7 +33,7 @@ fn a_portrait_is_seen_on_the_plate_and_its_folder_says_how_to_look_at_it() {
     assert_done(&run_line(home.path(), "design --recipe plate/recipe.toml -o again --no-verify"));
     let stl = |name: &str| fs::read(folder(name).join("plate.stl")).unwrap();
     assert!(stl("plate") == stl("again"));
-    assert_refused(&run_line(home.path(), "verify plate"), 3, &["stands on the metal", "--look --camera 40,180"]);
+    its_file_is_looked_at_again(home.path(), &report);
     let look =
         "measure plate -o look --look --camera 40,180 --resolution 64 --rays 16 --material mirror:beckmann:0.0185";
     assert_done(&run_line(home.path(), look));
@@ -45,6 +48,40 @@ fn a_portrait_is_seen_on_the_plate_and_its_folder_says_how_to_look_at_it() {
     ] {
         assert_refused(&run_line(home.path(), line), code, &[said]);
         assert!(!folder("no").exists(), "{line}");
+    }
+}
+
+/// What `verify` says of the folder `plate` in `home`, whose design told `report`.
+fn its_file_is_looked_at_again(home: &Path, report: &Value) {
+    let told = run_line(home, "verify plate --rays 400000 --at-most 0.001 -o proof");
+    assert!(told.code == Some(1) && told.stderr.contains("in other patches"), "{told:?}");
+    let again = json(home.join("proof/report.json"));
+    assert_published(&again, "PatchesVerifyReport");
+    for (ours, theirs) in [("measured", "designed"), ("as_milled", "as_milled")] {
+        for figure in ["ssim", "tv", "light"] {
+            let [a, b] = [&again[ours], &report[theirs]].map(|scores| scores[figure].as_f64().unwrap());
+            assert!((a - b).abs() < 0.003, "{ours} {figure}: {a} {b}");
+        }
+    }
+    assert_eq!((&again["reachable"], &again["viewer"]), (&report["reachable"], &report["viewer"]));
+    assert_eq!((&again["at_most"]["kept"], &again["at_most"]["as_milled"]), (&false.into(), &true.into()));
+    for file in ["target.png", "simulated.png", "comparison.png", "comparison_milled.png", "report.json"] {
+        assert!(fs::metadata(home.join("proof").join(file)).unwrap().len() > 500, "{file}");
+    }
+    // From another lamp the viewer sees another picture, and of a picture that is not its own the plate shows little.
+    let elsewhere = run_line(home, "verify plate --rays 20000 --light 40,30 --at-most 0.99 --json");
+    assert_done(&elsewhere);
+    let elsewhere: Value = serde_json::from_str(&elsewhere.stdout).unwrap();
+    assert!(elsewhere["measured"]["light"].as_f64().unwrap() < 0.5, "{elsewhere}");
+    assert_eq!((&elsewhere["viewer"], &elsewhere["at_most"]["kept"]), (&report["viewer"], &true.into()));
+    for (line, code, said) in [
+        ("verify plate --machine vmc", 2, "--machine is not for a plate of patches"),
+        ("verify plate --half-field 12", 2, "half-field is not for a plate of patches"),
+        ("verify plate --at-most 0.1@2", 2, "blur behind --at-most"),
+        ("verify plate --margin 1", 3, "10.000 × 10.000 mm"),
+        ("verify plate --against missing.png", 3, "missing.png"),
+    ] {
+        assert_refused(&run_line(home, line), code, &[said]);
     }
 }
 

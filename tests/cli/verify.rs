@@ -10,6 +10,7 @@ use facetmill::relief::placement::{Axis, faces_turned, scaled, upright};
 use serde_json::Value;
 
 use crate::program::{facetmill, finish, home, listing, run_line};
+use crate::reports::assert_published;
 use crate::{assert_done, assert_refused, json};
 
 const PLATE: &str = "design ring.png -o ring --facets 16x16 --rays 100000 --half-field 15";
@@ -211,4 +212,38 @@ fn a_picture_comes_through_a_pipe() {
     assert_done(&run_line(home.path(), "design ring.png -o named --facets 6x6 --no-verify"));
     let plate = |folder: &str| fs::read(home.path().join(folder).join("plate.stl")).unwrap();
     assert!(plate("piped") == plate("named"));
+}
+
+#[test]
+fn a_goals_folder_is_proved_again_from_every_side_as_designed_and_as_cut() {
+    let home = home();
+    fs::create_dir(home.path().join("made")).unwrap();
+    fs::write(home.path().join("lobe.toml"), "[[lobe]]\nc = [-0.9, -0.9, 1.0]\nn = 20\n").unwrap();
+    let plate = "--facets 10x10 --size 10x10 --rays 4000 --for-cutter ball:0.5 --verbose";
+    let told = run_line(home.path(), &format!("design --goal lafortune:lobe.toml -o made/plate {plate}"));
+    assert_done(&told);
+    assert!(told.told().contains("as milled") && told.told().contains("as cut: "), "{told:?}");
+    let designed = json(home.path().join("made/plate/report.json"));
+    let done = run_line(home.path(), "verify made/plate --rays 4000 --at-most 0.001 -o proof");
+    assert!(done.code == Some(1) && done.stderr.contains("as milled"), "{done:?}");
+    assert!(done.told().contains("goal Cut by ball:0.5, the plate misplaces"), "{done:?}");
+    let report = json(home.path().join("proof/report.json"));
+    assert_published(&report, "VerifyReport");
+    assert!((tv(&report, "measured") - tv(&designed, "designed")).abs() < 0.01, "{report}");
+    assert_eq!((&report["at_most"]["as_milled"], &report["at_most"]["kept"]), (&true.into(), &false.into()));
+    assert_eq!(report["highlight"]["half-field"], designed["recipe"]["highlight"]["half-field"]);
+    let tvs = |slices: &Value| -> Vec<f64> {
+        slices.as_array().unwrap().iter().map(|slice| slice["tv_1deg"]["value"].as_f64().unwrap()).collect()
+    };
+    let near =
+        |a: &[f64], b: &[f64], most: f64| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < most);
+    let [first, cut] = [&designed["goal"], &designed["goal"]["as_milled"]].map(|facts| tvs(&facts["slices"]));
+    let [again, cut_again] = [&report["goal"], &report["goal"]["as_milled"]].map(|facts| tvs(&facts["slices"]));
+    assert!(first.len() >= 5 && near(&first, &again, 0.01) && near(&cut, &cut_again, 0.01), "{report}");
+    // A ball of half a facet's width rounds the foot of every wall: what it leaves is not what was designed.
+    assert!(!near(&first, &cut, 0.02), "{first:?} {cut:?}");
+    assert!(home.path().join("proof/goal.png").exists());
+    assert_refused(&run_line(home.path(), "verify made/plate --wall 500"), 2, &["goal", "--against"]);
+    fs::rename(home.path().join("lobe.toml"), home.path().join("gone.toml")).unwrap();
+    assert_refused(&run_line(home.path(), "verify made/plate"), 3, &["the goal's file lobe.toml"]);
 }

@@ -63,6 +63,12 @@ pub fn beside(file: &Path, named: &Path) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).join(named)
 }
 
+/// Where a file is that the recipe in `folder` names: in that, as it is named, or beside the folder.
+pub fn near_folder(folder: &Path, named: &Path) -> Option<PathBuf> {
+    let places = [folder.join(named), named.to_owned(), folder.join("..").join(named)];
+    places.into_iter().find(|place| place.exists())
+}
+
 /// All of the file at `path`, once the memory that it `needs` for so many bytes may be taken.
 pub fn bytes(path: &Path, limit: MemoryLimit, needs: impl Fn(u64) -> Need) -> Result<Vec<u8>, Failure> {
     let name = path.display();

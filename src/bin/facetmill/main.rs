@@ -46,6 +46,12 @@ mod astray;
 
 mod in_room;
 
+mod portrait;
+
+mod against;
+
+mod portrait_proof;
+
 mod verify;
 
 mod mill_tables;
@@ -55,8 +61,6 @@ mod drawn;
 mod program_check;
 
 mod mill;
-
-mod portrait;
 
 mod coupon_reading;
 

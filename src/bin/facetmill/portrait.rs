@@ -10,7 +10,7 @@ use facetmill::picture::{Picture, values};
 use facetmill::progress::Progress;
 use facetmill::raster::Raster;
 use facetmill::recipe::Recipe;
-use facetmill::report::patches::{PatchFacts, PatchScoreFacts, PatchesReport};
+use facetmill::report::patches::{PatchFacts, PatchScoreFacts, PatchesReport, ReachableFacts};
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Table, tell};
@@ -24,7 +24,7 @@ impl From<PatchError> for Failure {
     fn from(error: PatchError) -> Self {
         match error {
             PatchError::Cancelled(cancelled) => cancelled.into(),
-            error @ PatchError::Aspect { .. } => Self::Input(error.to_string()),
+            error @ (PatchError::Aspect { .. } | PatchError::Size { .. }) => Self::Input(error.to_string()),
             error => Self::Impossible(error.to_string()),
         }
     }
@@ -44,7 +44,7 @@ pub fn run(args: &DesignArgs, recipe: &Recipe, file: Option<&Path>, run: &Run) -
     read.dedup();
     let own = exports::names();
     let mut staged = Staged::new(&Place::new(folder, args.running.force, &own, &read), &run.gate)?;
-    let (asked, picture) = asked(recipe, file, limit)?;
+    let (asked, picture) = asked(recipe, &|name| beside(name, file), limit)?;
     let stages = run.shows(Stages::new(&args.running));
     let listen = |event: facetmill::progress::Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
@@ -79,7 +79,7 @@ fn foreign(args: &DesignArgs) -> Option<&'static str> {
 }
 
 /// The files that a recipe names, by their settings.
-fn named(recipe: &Recipe) -> impl Iterator<Item = (&'static str, &str)> {
+pub fn named(recipe: &Recipe) -> impl Iterator<Item = (&'static str, &str)> {
     let patches = &recipe.patches;
     let all = [
         ("portrait", &patches.portrait),
@@ -97,16 +97,20 @@ fn beside(name: &str, recipe: Option<&Path>) -> PathBuf {
     near.filter(|path| path.exists()).unwrap_or_else(|| name.into())
 }
 
-/// What is to be shown, and the picture of a portrait.
-fn asked(recipe: &Recipe, file: Option<&Path>, limit: MemoryLimit) -> Result<(Asked, Option<Picture>), Failure> {
+/// What is to be shown, and the picture of a portrait; `place` is where a file of that name is.
+pub fn asked(
+    recipe: &Recipe,
+    place: &dyn Fn(&str) -> PathBuf,
+    limit: MemoryLimit,
+) -> Result<(Asked, Option<Picture>), Failure> {
     if let Some(name) = &recipe.patches.portrait {
-        let picture = inputs::picture(&beside(name, file), &recipe.reading(), limit)?;
+        let picture = inputs::picture(&place(name), &recipe.reading(), limit)?;
         let tones = tones(recipe, &picture.light, picture.original_size)?;
         return Ok((Asked::Portrait(tones), Some(picture)));
     }
     let mut maps = Maps::default();
     for (setting, name) in named(recipe) {
-        let channels = values(&beside(name, file))?;
+        let channels = values(&place(name))?;
         let on = |channel: &Raster| on_patches(recipe, channel, name);
         let [red, green, blue] = [on(&channels[0])?, on(&channels[1])?, on(&channels[2])?];
         match setting {
@@ -133,13 +137,7 @@ fn in_short(folder: &Path, report: &PatchesReport) -> Vec<Row> {
             "{width} × {height} mm of {columns} × {rows} patches of {x:.2} × {y:.2} mm, relief {relief_height_mm:.3} mm"
         ),
     )];
-    if let Some(reachable) = report.reachable {
-        let (white, black) = (reachable.white, reachable.black);
-        told_of.push(told(
-            "contrast",
-            format!("{:.0} to 1; white is {white:.3}/sr, black {black:.4}/sr", reachable.contrast),
-        ));
-    }
+    told_of.extend(report.reachable.as_ref().map(contrast));
     told_of.extend(report.designed.iter().map(|scores| looks("as written", scores)));
     told_of.extend(report.as_milled.iter().map(|scores| looks("as cut", scores)));
     let (triangles, megabytes) = (report.stl.triangles, report.stl.bytes as f64 / 1e6);
@@ -154,7 +152,14 @@ fn in_short(folder: &Path, report: &PatchesReport) -> Vec<Row> {
     told_of
 }
 
-fn looks(name: &str, scores: &PatchScoreFacts) -> Row {
+/// What a portrait can show.
+pub fn contrast(reachable: &ReachableFacts) -> Row {
+    let ReachableFacts { white, black, contrast } = reachable;
+    told("contrast", format!("{contrast:.0} to 1; white is {white:.3}/sr, black {black:.4}/sr"))
+}
+
+/// How near a plate looks to what is wanted.
+pub fn looks(name: &str, scores: &PatchScoreFacts) -> Row {
     let likeness = scores.scores.ssim.map(|ssim| format!("likeness {ssim:.3}, ")).unwrap_or_default();
     told(name, format!("{likeness}{} of the light in other patches", percent(scores.scores.tv)))
 }
@@ -186,16 +191,18 @@ fn more(report: &PatchesReport) -> Vec<Row> {
     rows.extend(
         facts.spare_share.map(|share| row("spare", percent(share), "of the plate sends light where --spare says")),
     );
-    for (name, scores) in [("as written", &report.designed), ("as cut", &report.as_milled)] {
-        if let Some(scores) = scores {
-            rows.push(row(name, format!("{:.4}", scores.scores.light), "light of all patches over the wanted"));
-            rows.push(row(
-                "noise",
-                percent(scores.scores.noise),
-                format!("of white, of one patch; {} paths a pixel", scores.paths_a_pixel),
-            ));
-            rows.extend(scores.left_mm.map(|left| row("left", format!("{left:.4} mm"), "by the cutter at the most")));
-        }
-    }
+    rows.extend([("as written", &report.designed), ("as cut", &report.as_milled)].into_iter().flat_map(in_full));
+    rows
+}
+
+/// Every figure of how a plate looks, if it was looked at.
+pub fn in_full((name, scores): (&'static str, &Option<PatchScoreFacts>)) -> Vec<Row> {
+    let Some(PatchScoreFacts { scores, left_mm, paths_a_pixel, .. }) = scores else { return Vec::new() };
+    let noise = format!("of white, of one patch; {paths_a_pixel} paths a pixel");
+    let mut rows = vec![
+        row(name, format!("{:.4}", scores.light), "light of all patches over the wanted"),
+        row("noise", percent(scores.noise), noise),
+    ];
+    rows.extend(left_mm.map(|left| row("left", format!("{left:.4} mm"), "by the cutter at the most")));
     rows
 }

@@ -8,7 +8,7 @@ use facetmill::milling::polish::in_words;
 use facetmill::recipe::{BorderFinish, Recipe};
 use facetmill::report::design::{DesignReport, PlateFacts};
 use facetmill::report::estimate::{EstimateReport, Parts};
-use facetmill::report::goal::{GoalFacts, GoalSlice};
+use facetmill::report::goal::GoalFacts;
 use facetmill::report::made::{MachiningFacts, MadeFacts};
 use facetmill::report::scores::Scores;
 use facetmill::report::verify::VerifyReport;
@@ -40,7 +40,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     rows.extend(scored.map(|(scores, _)| light(scores)));
     rows.extend(report.as_made.as_ref().map(made_in_short));
     rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
-    rows.extend(report.goal.iter().filter_map(|goal| goal.verdict.clone()).map(|verdict| told("goal", verdict)));
+    rows.extend(report.goal.iter().filter_map(goal_in_short));
     rows.push(told("file", file(folder, report)));
     let picture = scored.map_or("relief.png", |(_, picture)| picture);
     rows.push(told("look", format!("at {} first; --verbose tells more", shown(&folder.join(picture)))));
@@ -102,24 +102,37 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
         told("lost", lost),
     ];
     rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
+    rows.extend(report.goal.iter().filter_map(goal_in_short));
     rows.push(told("look", look));
     rows
 }
 
+/// How near a plate, as cut if it has a cutter, is to its goal.
+fn goal_in_short(facts: &GoalFacts) -> Option<Row> {
+    let verdict = facts.as_milled.as_ref().map(|milled| &milled.verdict).or(facts.verdict.as_ref())?;
+    Some(told("goal", verdict.clone()))
+}
+
 /// A goal and the plate beside it.
 fn goal(facts: &GoalFacts) -> Vec<Row> {
-    let asked = told("goal", format!("{}, albedo {:.3}", facts.spec, facts.albedo));
-    let slice = |slice: &GoalSlice| {
+    let mut rows = vec![told("goal", format!("{}, albedo {:.3}", facts.spec, facts.albedo))];
+    for (k, slice) in facts.slices.iter().enumerate() {
         let meaning = format!(
-            "misplaced under a lamp at {}°, {:.0}°: {} by what no mirrors can follow, {} by the rest",
+            "misplaced under a lamp at {}°, {:.0}°: {} by what no mirrors can follow, {} by the rest; albedo {:.3} of {:.3}",
             slice.theta,
             slice.phi,
             percent(slice.mirrors_cannot),
-            percent(slice.rest.value)
+            percent(slice.rest.value),
+            slice.albedo_plate,
+            slice.albedo_goal
         );
-        row("  of its light", percent(slice.tv_1deg.value), meaning)
-    };
-    [asked].into_iter().chain(facts.slices.iter().map(slice)).collect()
+        rows.push(row("  of its light", percent(slice.tv_1deg.value), meaning));
+        if let Some(cut) = facts.as_milled.as_ref().and_then(|milled| milled.slices.get(k)) {
+            let meaning = format!("as cut: {} by the rest; albedo {:.3}", percent(cut.rest.value), cut.albedo_plate);
+            rows.push(row("  as milled", percent(cut.tv_1deg.value), meaning));
+        }
+    }
+    rows
 }
 
 /// A path, as it is told.
@@ -275,6 +288,7 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
     ];
     table.extend(scores(&report.measured));
     table.extend(report.on_wall.iter().flat_map(on_wall));
+    table.extend(report.goal.iter().flat_map(goal));
     if let Some(milled) = &report.as_milled {
         let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));
         table.push(row("misplaced as milled", percent(Scores::main(&milled.scores.tv_incident)), likeness));

@@ -1,19 +1,20 @@
 //! `facetmill verify`: light over any closed mesh, or over a design once more, scored against a picture.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use facetmill::export::sheet::sheet_solid;
 use facetmill::export::stl::write_stl;
 use facetmill::highlight::scored_target;
 use facetmill::job::design::DesignError;
 use facetmill::job::findings::{MadeProof, MilledProof, Proof, RimProof};
+use facetmill::job::goal::GoalProof;
 use facetmill::job::pictures::{ProofPictures, target_picture};
 use facetmill::job::proof::send_over_milled_mesh;
-use facetmill::job::{exports, finer_than_the_blur, in_a_sentence};
+use facetmill::job::{finer_than_the_blur, in_a_sentence};
 use facetmill::memory::Need;
 use facetmill::picture::Picture;
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::{BorderFinish, Recipe};
+use facetmill::recipe::{BorderFinish, MachiningSettings, Recipe};
 use facetmill::relief::open::OpenRelief;
 use facetmill::report::design::MilledFacts;
 use facetmill::report::verify::{Allowed, VerifyReport};
@@ -27,17 +28,18 @@ use facetmill::verify::score::blurred_scores;
 use facetmill::verify::tally::{self, Measurement};
 use facetmill::verify::verdict::Verdict;
 
+use crate::against::{Against, folder, goal_proof};
 use crate::args::VerifyArgs;
 use crate::astray::astray;
 use crate::console::{Failure, Table, tell};
-use crate::files::{Place, Staged};
+use crate::files::Staged;
 use crate::in_room::{in_its_scene, in_room};
 use crate::interrupt::Run;
 use crate::plates::{Named, Opened};
 use crate::stages::Stages;
 use crate::tables::percent;
 use crate::values::Limit;
-use crate::{inputs, machining, plates, tables};
+use crate::{inputs, machining, plates, portrait_proof, tables};
 
 /// So much of the light misplaced that plate, lamp, field or picture do not belong together.
 const ASTRAY: f64 = 0.5;
@@ -45,17 +47,12 @@ const ASTRAY: f64 = 0.5;
 /// Does what `args` say.
 pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([Some(&args.plate), None])?;
-    let Named { stl, mut recipe, mount } = plates::named(&args.plate)?;
-    let designed_for = recipe.scene;
-    args.settings.apply(&mut recipe);
-    let path = drawing(args, &recipe)?;
-    recipe.name_picture(&path);
-    machining::named(&args.machining.by, &mut recipe)?;
-    // Its cutter need not be the recipe's: what is wrong with it is told by itself.
-    let making = std::mem::take(&mut recipe.machining);
-    let mut recipe = in_its_scene(args, recipe, &designed_for)?;
-    // A pose that cannot be is told before anything is read.
-    mounted(recipe.setup(), args.mount)?;
+    let named = plates::named(&args.plate)?;
+    if named.recipe.patches.are_wanted() {
+        return portrait_proof::run(args, named, run);
+    }
+    let Named { stl, recipe: own, mount } = named;
+    let (mut recipe, making, against) = asked(args, &own)?;
     if args.settings.has("as-made-stl") && args.output.is_none() {
         return Err(Failure::Usage("--as-made-stl needs a folder to write into: name one with -o".into()));
     }
@@ -63,14 +60,8 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     if args.settings.has("as-made-stl") && machining.as_ref().is_some_and(|machining| machining.polish.is_none()) {
         return Err(Failure::Usage("--as-made-stl is for a plate that is polished: give --polish too".into()));
     }
-    let read = inputs::given([Some(&args.plate), Some(&path)])?;
-    let mut staged = match &args.output {
-        None => None,
-        Some(output) => {
-            plates::spare_design(&args.plate, output)?;
-            Some(Staged::new(&Place::new(output, args.running.force, exports::VERIFY, &read), &run.gate)?)
-        }
-    };
+    let read = inputs::given([Some(&args.plate), against.path()])?;
+    let mut staged = folder(args, &read, run)?;
     let stages = run.shows(Stages::new(&args.running));
     let listen = |event: Event<'_>| stages.hear(event);
     let progress = Progress::new(&listen, &run.cancel);
@@ -82,23 +73,28 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
     let plate = opened.size.truncate() - 2.0 * margin;
     let task = machining.map(|machining| machining::Task::new(machining, making.draws, plate, limit)).transpose()?;
-    let picture = inputs::picture(&path, &recipe.reading(), limit)?;
-    recipe.note_drawing(picture.original_size);
-    let setup = match (args.mount, mount) {
-        (None, Some(normal)) => lit(recipe.setup().mounted(normal))?,
-        (mount, _) => mounted(recipe.setup(), mount)?,
+    let pose = |setup: Setup| match (args.mount, mount) {
+        (None, Some(normal)) => lit(setup.mounted(normal)),
+        (mount, _) => mounted(setup, mount),
     };
+    let (picture, goal) = against.picture(&recipe, &pose(recipe.setup())?, limit)?;
+    recipe.note_drawing(picture.original_size);
+    let setup = pose(recipe.setup())?;
     let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
+    let goal = match &goal {
+        Some(goal) => Some(goal_proof(&recipe, &own, goal, (&opened, margin), &progress)?),
+        None => None,
+    };
     if let Some(task) = task {
         proof.made = Some(task.done((&recipe, &opened, margin), (&proof, &setup), &progress)?);
     }
     if staged.is_some() {
         progress.stage(Stage::Files);
     }
-    let report = report(args, &recipe, &opened, &proof, (&picture, &path, &setup, margin));
+    let report = report(args, &recipe, (&opened, margin), (&proof, goal.as_ref()), (&picture, &setup));
     if let Some(staged) = &mut staged {
         let surface = proof.made.as_ref().and_then(|made| made.surface.as_ref()).filter(|_| making.as_made_stl);
-        write(staged, &proof, &recipe, &opened, (&report, &setup), (surface, &progress))?;
+        write(staged, (&proof, goal.as_ref()), &recipe, &opened, (&report, &setup), (surface, &progress))?;
     }
     if let Some(staged) = staged {
         staged.publish()?;
@@ -113,18 +109,41 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     within_limit(report.at_most)
 }
 
+/// The folder's `own` recipe as flags change it, how it is made, and what its light is scored against.
+fn asked(args: &VerifyArgs, own: &Recipe) -> Result<(Recipe, MachiningSettings, Against), Failure> {
+    let mut recipe = own.clone();
+    args.settings.apply(&mut recipe);
+    let against = Against::new(args, &recipe)?;
+    if let Against::Picture(path) = &against {
+        recipe.name_picture(path);
+    }
+    machining::named(&args.machining.by, &mut recipe)?;
+    // Its cutter need not be the recipe's: what is wrong with it is told by itself.
+    let making = std::mem::take(&mut recipe.machining);
+    let recipe = in_its_scene(args, recipe, &own.scene)?;
+    if recipe.is_near() && matches!(against, Against::Goal(_)) {
+        let what = "a goal is for a lamp and viewers far away";
+        return Err(Failure::Usage(format!(
+            "{what}: leave out lamp and wall nearby, or name a picture with --against"
+        )));
+    }
+    // A pose that cannot be is told before anything is read.
+    mounted(recipe.setup(), args.mount)?;
+    Ok((recipe, making, against))
+}
+
 /// Everything that is known of the light.
 fn report(
     args: &VerifyArgs,
     recipe: &Recipe,
-    opened: &Opened,
-    proof: &Proof,
-    (picture, path, setup, margin): (&Picture, &Path, &Setup, f64),
+    (opened, margin): (&Opened, f64),
+    (proof, goal): (&Proof, Option<&GoalProof>),
+    (picture, setup): (&Picture, &Setup),
 ) -> VerifyReport {
     VerifyReport {
         program: PROGRAM,
         plate: opened.facts.clone(),
-        picture: PictureFacts::new(picture, Some(path.to_string_lossy().into_owned())),
+        picture: PictureFacts::new(picture, recipe.picture_path().map(|path| path.to_string_lossy().into_owned())),
         highlight: recipe.highlight,
         light: recipe.light,
         lobe_deg: recipe.plate.lobe,
@@ -137,6 +156,7 @@ fn report(
             .milled
             .as_ref()
             .map(|milled| MilledFacts { scores: (&milled.verdict).into(), left_by_cutter_um: 1000.0 * milled.left }),
+        goal: goal.map(|goal| goal.facts.clone()),
         as_made: proof.made.as_ref().map(MadeProof::facts),
         at_most: args.at_most.and_then(|limit| allowed(limit, proof, setup)),
         verdict: one_sentence(args, recipe, proof),
@@ -160,38 +180,6 @@ fn within_limit(allowed: Option<Allowed>) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
-}
-
-/// The picture to score against: as given, else that of the folder's recipe, as it was named there, beside the recipe,
-/// or beside the folder.
-fn drawing(args: &VerifyArgs, recipe: &Recipe) -> Result<PathBuf, Failure> {
-    if let Some(path) = &args.against {
-        return Ok(path.clone());
-    }
-    let name = args.plate.display();
-    if !args.plate.is_dir() {
-        return Err(Failure::Usage(format!(
-            "{name}: say with --against which picture its light is to be scored against"
-        )));
-    }
-    if let Some(goal) = &recipe.goal {
-        return Err(Failure::Usage(format!(
-            "{name}: its recipe has the goal {goal} in place of a picture: say with --against what its light is to be scored \
-             against, or see all of it with measure --brdf"
-        )));
-    }
-    inputs::is_no_patches(recipe, &name)?;
-    let Some(named) = recipe.picture_path() else {
-        return Err(Failure::Input(format!("{name}: its recipe names no picture: say with --against which it is")));
-    };
-    let places = [args.plate.join(&named), named.clone(), args.plate.join("..").join(&named)];
-    places.iter().find(|place| place.exists()).cloned().ok_or_else(|| {
-        Failure::Input(format!(
-            "{name}: the picture {} that its recipe names is neither in the folder nor beside it nor here: \
-             say with --against where it is",
-            named.display()
-        ))
-    })
 }
 
 /// The setup with the plate mounted at the angles that were given, degrees.
@@ -291,7 +279,7 @@ fn allowed(limit: Limit, proof: &Proof, setup: &Setup) -> Option<Allowed> {
 
 fn write(
     staged: &mut Staged,
-    proof: &Proof,
+    (proof, goal): (&Proof, Option<&GoalProof>),
     recipe: &Recipe,
     opened: &Opened,
     (report, setup): (&VerifyReport, &Setup),
@@ -311,6 +299,9 @@ fn write(
     }
     if let Some(made) = &pictures.made {
         staged.write_png("comparison_made.png", made)?;
+    }
+    if let Some(goal) = goal {
+        staged.write_png("goal.png", &goal.picture())?;
     }
     if let Some(surface) = surface {
         let solid = sheet_solid(surface, recipe.plate.thickness, 0.0, progress).map_err(DesignError::from)?;

@@ -7,6 +7,7 @@ pub const VERIFY: &[&str] = &[
     "comparison.png",
     "comparison_milled.png",
     "comparison_made.png",
+    "goal.png",
     "as-made.stl",
     "report.json",
 ];

@@ -165,8 +165,8 @@ Examples:
 pub struct VerifyArgs {
     /// A closed mesh in mm, relief toward +z: STL, OBJ, PLY, 3MF or OFF; or the folder of a design
     ///
-    /// A folder's recipe gives light, field, metal and picture, its report the mounting, and its cutter is led over the
-    /// plate once more. Flags that are given count before the recipe.
+    /// A folder's recipe gives light, field, metal and picture or goal, its report the mounting, and its cutter is led over
+    /// the plate once more. A portrait's viewer looks at it. Flags that are given count before the recipe.
     pub plate: PathBuf,
     /// The picture that the light is scored against  [default: that of the folder's recipe]
     #[arg(long, value_name = "PICTURE")]
@@ -177,7 +177,7 @@ pub struct VerifyArgs {
     /// Exit code 1 if more of the light than this is misplaced or lost, seen through a blur in degrees
     ///
     /// 0.02 and 2% mean 2 % at a blur of 1°, 0.02@0.5 the same at 0.5°. Of a folder with a cutter the plate as milled
-    /// counts.
+    /// counts; of a goal its slice at the lamp; of a portrait the light in other patches, without a blur.
     #[arg(long = "at-most", value_name = "SHARE[@DEG]", value_parser = crate::values::limit)]
     pub at_most: Option<Limit>,
 
