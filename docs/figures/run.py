@@ -393,10 +393,11 @@ def estimates():
     for picture, flags in ESTIMATED:
         told = report(picture, f"{flags} --dry-run")
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        report(picture, flags)
+        said = report(picture, flags)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         taken = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        about = sum(seconds for key, seconds in told.items() if key.endswith("cpu_seconds_about"))
+        parts = ["design", "verify", "files", *(["comparison"] if said.get("beside_facets") else [])]
+        about = sum(told[f"{part}_cpu_seconds_about"] for part in parts)
         row(f"{picture} {flags:78}", f"speed {told['machine_speed']:.2f}", f"{about:.1f}", f"{taken:.1f}", f"{about / taken:.2f}")
 
 

@@ -22,6 +22,8 @@ pub struct EstimateReport {
     pub design_cpu_seconds_about: f64,
     /// CPU seconds of the proof; 0 if none is asked for.
     pub verify_cpu_seconds_about: f64,
+    /// CPU seconds on top of the proof, should a sheet misplace so much light that it is compared with facets; 0 of facets.
+    pub comparison_cpu_seconds_about: f64,
     /// CPU seconds of the files.
     pub files_cpu_seconds_about: f64,
     /// Seconds from beginning to end, if nothing else runs beside it.
@@ -44,6 +46,7 @@ impl EstimateReport {
         let report = Self {
             design_cpu_seconds_about: times * self.design_cpu_seconds_about,
             verify_cpu_seconds_about: times * self.verify_cpu_seconds_about,
+            comparison_cpu_seconds_about: times * self.comparison_cpu_seconds_about,
             files_cpu_seconds_about: times * self.files_cpu_seconds_about,
             machine_speed: speed,
             threads,
@@ -52,7 +55,7 @@ impl EstimateReport {
         Self { wall_seconds_about: report.wall_seconds(), ..report }
     }
 
-    /// CPU seconds of all of it.
+    /// CPU seconds of all of it but the comparison.
     pub fn cpu_seconds(&self) -> f64 {
         self.design_cpu_seconds_about + self.verify_cpu_seconds_about + self.files_cpu_seconds_about
     }

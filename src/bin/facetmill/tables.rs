@@ -260,6 +260,10 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         row("time", about(report.wall_seconds_about), on_machine(report)),
         row("memory", format!("about {}", said(report.memory_bytes_about)), "at once, at the most"),
     ];
+    if report.comparison_cpu_seconds_about > 0.0 {
+        let more = about(report.comparison_cpu_seconds_about);
+        table.push(row("comparison", more, "of CPU time more, if over 0.5 % goes astray: with facets"));
+    }
     if let Some(share) = report.least_stray_share {
         let meaning = "of the light at least falls into gaps of the drawing, since the ball must turn there";
         table.push(row("straying", percent(share), meaning));
