@@ -188,7 +188,8 @@ pub fn send_over_milled_mesh(
 /// The plate of `recipe` that stands in `mesh`, as its cutter and polish leave it, for light from any side; `None` without
 /// them, or if the mesh is no such plate. The optical area is the xy bounding box less `margin` mm on each side.
 ///
-/// Of a sheet as many cells side by side as [`MOST_LINES`] allow: far from the normal, what a hill shades lies beyond its cell.
+/// Of a sheet as many cells side by side as 2000 lines of nodes hold: with light far aside, what a hill shades lies beyond
+/// its cell.
 ///
 /// # Errors
 /// The work is cancelled.
