@@ -73,11 +73,11 @@ impl MemoryLimit {
     pub fn of_system(threads: usize) -> Self {
         let mut system = System::new();
         system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
-        let group = system.cgroup_limits().map(|group| group.total_memory);
+        // A system that tells nothing says 0, and is not asked for its groups, since that would panic.
+        let machine = Some(system.total_memory()).filter(|bytes| *bytes > 0);
+        let group = machine.and_then(|_| system.cgroup_limits()).map(|group| group.total_memory);
         let addresses =
             address_space().map(|all| all.saturating_sub(ADDRESSES_A_THREAD.saturating_mul(threads as u64)));
-        // A system that tells nothing says 0.
-        let machine = Some(system.total_memory());
         let least = [machine, group].into_iter().flatten().filter(|bytes| *bytes > 0).chain(addresses).min();
         Self(least.map_or(u64::MAX, |bytes| (USUAL_SHARE * bytes as f64) as u64))
     }

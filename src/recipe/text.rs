@@ -35,16 +35,23 @@ impl Recipe {
         let plain = toml::to_string(self).unwrap_or_else(|error| format!("# not representable: {error}\n"));
         let mut table = String::new();
         let mut text = String::new();
-        for line in plain.lines() {
+        // What ends the string of several lines that the line before is a part of.
+        let mut open: Option<&str> = None;
+        for line in plain.split_terminator('\n') {
+            if let Some(end) = open {
+                text += &format!("{line}\n");
+                open = open.filter(|_| !line.contains(end));
+                continue;
+            }
             if let Some(name) = line.strip_prefix('[').and_then(|line| line.strip_suffix(']')) {
                 table = format!("{name}.");
             }
             let comment = line.split_once(" = ").and_then(|(key, _)| comment(&format!("{table}{key}")));
-            text += line;
-            if let Some(comment) = comment {
-                text += &format!("  # {comment}");
-            }
-            text.push('\n');
+            open = begun(line);
+            text += &match comment {
+                Some(comment) if open.is_none() => format!("{line}  # {comment}\n"),
+                _ => format!("{line}\n"),
+            };
         }
         text
     }
@@ -69,6 +76,12 @@ impl Recipe {
         let named = self.picture.as_ref().filter(|name| !name.is_empty()).map(PathBuf::from);
         named.or_else(|| from_hexadecimal(self.picture_bytes.as_deref()?))
     }
+}
+
+/// What ends the string that begins in a line and goes on in the next, if one does.
+fn begun(line: &str) -> Option<&'static str> {
+    let (_, value) = line.split_once(" = ")?;
+    ["\"\"\"", "'''"].into_iter().find(|end| value.strip_prefix(end).is_some_and(|rest| !rest.contains(end)))
 }
 
 /// What a key means and its unit, in a line.
@@ -159,6 +172,16 @@ mod tests {
             "{text}"
         );
         assert_eq!(Recipe::from_toml(&text), Ok(recipe));
+    }
+
+    #[test]
+    fn names_of_several_lines_are_kept() {
+        for name in
+            ["r\ng.png", "\n[light]\ntheta = 30.0", "a\r\nb", "\"\"\"\nlight = '''\n", "\n'''\n", "a\n\\\"\"\"\n"]
+        {
+            let recipe = Recipe { picture: Some(name.into()), ..Recipe::default() };
+            assert_eq!(Recipe::from_toml(&recipe.to_toml()), Ok(recipe), "{name:?}");
+        }
     }
 
     #[test]
