@@ -16,7 +16,7 @@ use crate::slope::{direction, polar_angle};
 use crate::trace::traced_plate::TracedPlate;
 use crate::verify::experiment::Measuring;
 use crate::verify::measure::Mirrored;
-use crate::verify::score::blurred;
+use crate::verify::score::{blurred, distance};
 use crate::verify::tally::Tally;
 use crate::verify::verdict::{Figure, MAIN_BLUR};
 
@@ -150,7 +150,7 @@ fn apart(one: &Raster, other: &Raster) -> f64 {
     if one.sum() <= 0.0 || other.sum() <= 0.0 {
         return 1.0;
     }
-    0.5 * one.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).sum::<f64>()
+    0.5 * distance(one, other)
 }
 
 impl Lit {

@@ -8,9 +8,10 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
+use super::score::distance;
 use super::tally::PARTS;
 use super::thrown::{MARGIN, plate_origin};
-use super::wall_verdict::{WALL_BLURS, blurred, distance, widened};
+use super::wall_verdict::{WALL_BLURS, blurred, widened};
 use crate::lamp::{DistantLamp, Lamp};
 use crate::progress::Progress;
 use crate::projection::View;

@@ -134,7 +134,7 @@ fn blur_pixels(image: &Raster, view: &View, blur: f64) -> (f64, f64) {
 }
 
 /// Sum of absolute differences.
-fn distance(a: &Raster, b: &Raster) -> f64 {
+pub(crate) fn distance(a: &Raster, b: &Raster) -> f64 {
     a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).sum()
 }
 

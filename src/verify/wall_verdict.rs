@@ -1,7 +1,7 @@
 //! The figures of light on the wall of a scene: blurs in millimetres, lost light counted.
 
 use super::blur::{Edge, gaussian};
-use super::score::{SUPPORT, structural_similarity};
+use super::score::{SUPPORT, distance, structural_similarity};
 use super::tally::Measurement;
 use super::tally::Tally;
 use super::thrown::{ACROSS, MARGIN, WHOLE, cropped};
@@ -130,9 +130,4 @@ fn grain(seen: &[Raster; 3], wanted: &[Raster; 3]) -> f64 {
         count += 1.0;
     }
     if light > 0.0 { (squares / count).sqrt() / (light / count) } else { 0.0 }
-}
-
-/// Sum of absolute differences.
-pub(super) fn distance(a: &Raster, b: &Raster) -> f64 {
-    a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).sum()
 }

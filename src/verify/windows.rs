@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::score::blurred;
+use super::score::{blurred, distance};
 use super::verdict::MAIN_BLUR;
 use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
@@ -143,9 +143,8 @@ const CHANGE_RESOLUTION: (usize, usize) = (256, 256);
 /// Total variation between `light` (a share of what falls on a window) and `wanted`, which is blurred already.
 fn misplaced(light: &Raster, wanted: &Raster, view: &View) -> f64 {
     let seen = blurred(light, view, MAIN_BLUR.to_radians());
-    let apart: f64 = seen.values.iter().zip(&wanted.values).map(|(a, b)| (a - b).abs()).sum();
     // What is in neither image sits in one more bin, "elsewhere".
-    0.5 * (apart + (seen.sum() - wanted.sum()).abs())
+    0.5 * (distance(&seen, wanted) + (seen.sum() - wanted.sum()).abs())
 }
 
 /// Where the triangles of one cell send light at the first bounce.

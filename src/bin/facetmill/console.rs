@@ -8,6 +8,7 @@ use facetmill::job::design::DesignError;
 use facetmill::memory::TooMuchMemory;
 use facetmill::picture::PictureError;
 use facetmill::progress::Cancelled;
+use facetmill::recipe::RecipeError;
 use facetmill::report::text;
 use facetmill::verify::tally::MeasureError;
 use serde::Serialize;
@@ -50,6 +51,14 @@ impl Failure {
         match error {
             MeasureError::Cancelled(cancelled) => cancelled.into(),
             _ => Self::Impossible(unlit.into()),
+        }
+    }
+
+    /// Of a recipe that flags made what it is.
+    pub fn of_flags(error: RecipeError) -> Self {
+        match error.is_impossible() {
+            true => Self::Impossible(error.to_string()),
+            false => Self::Usage(format!("--{error}")),
         }
     }
 

@@ -183,10 +183,9 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, From), Failure> {
         // Flags may mend a recipe; what they do not mend is the recipe's fault, and the file is to be named.
         let file = args.recipe.as_deref().filter(|_| fault.as_ref() == Some(&error.to_string()));
         match (error.is_impossible(), file) {
-            (true, None) => Failure::Impossible(error.to_string()),
             (true, Some(file)) => Failure::Impossible(format!("{}: {error}", file.display())),
             (false, Some(file)) => Failure::Input(format!("{}: {error}", file.display())),
-            (false, None) => Failure::Usage(format!("--{error}")),
+            (_, None) => Failure::of_flags(error),
         }
     })?;
     if (args.snapshots || args.resume) && recipe.surface() == SurfaceKind::Facets {

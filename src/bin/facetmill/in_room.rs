@@ -27,10 +27,7 @@ pub fn in_its_scene(args: &VerifyArgs, mut recipe: Recipe, designed_for: &SceneS
     {
         recipe.scene.picture_width = Some(width * to / from);
     }
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
+    recipe.check().map_err(Failure::of_flags)?;
     if recipe.is_near() && args.mount.is_some() {
         return Err(Failure::Usage(
             "--mount has no meaning beside a lamp or a wall nearby: their pose is the plate's".into(),

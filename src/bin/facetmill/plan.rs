@@ -27,10 +27,7 @@ const HOURS: (f64, f64) = (0.001, 10_000.0);
 pub fn run(args: &PlanArgs, run: &Run) -> Result<(), Failure> {
     inputs::given([Some(&args.picture), None])?;
     let (mut recipe, path) = recipe(args)?;
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
+    recipe.check().map_err(Failure::of_flags)?;
     machining::named(&args.machine, &mut recipe)?;
     let machine = recipe.machining.machine.clone().ok_or_else(|| {
         Failure::Usage("plan is for a machine: name one with --machine, such as vmc or a TOML file".into())

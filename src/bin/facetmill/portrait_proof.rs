@@ -38,10 +38,7 @@ pub fn run(args: &VerifyArgs, found: Named, run: &Run) -> Result<(), Failure> {
     }
     let mut recipe = designed.clone();
     args.settings.apply(&mut recipe);
-    recipe.check().map_err(|error| match error.is_impossible() {
-        true => Failure::Impossible(error.to_string()),
-        false => Failure::Usage(format!("--{error}")),
-    })?;
+    recipe.check().map_err(Failure::of_flags)?;
     let read: Vec<&Path> = files.iter().map(|(_, path)| path.as_path()).chain([args.plate.as_path()]).collect();
     let staged = folder(args, &read, run)?;
     let stages = run.shows(Stages::new(&args.running));
