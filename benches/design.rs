@@ -16,6 +16,7 @@ use facetmill::facets::heights::LeastSquares;
 use facetmill::facets::sample::equal_mass::equal_mass_centres;
 use facetmill::facets::sample::refine::refined;
 use facetmill::job::preview::preview;
+use facetmill::job::speed::relative_speed;
 use facetmill::picture::read;
 use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
@@ -94,9 +95,16 @@ fn previewing(c: &mut Criterion) {
     group.bench_function("warm", |b| b.iter(|| preview(black_box(&recipe), &light, Some(&cold), &silent)));
 }
 
+/// What is measured of the machine before a dry run tells times: at most 50 ms, and the answer, ten times.
+fn machine(c: &mut Criterion) {
+    let speeds: Vec<String> = (0..10).map(|_| format!("{:.2}", relative_speed())).collect();
+    println!("speed of this machine beside the one of the estimates: {}", speeds.join(", "));
+    c.bench_function("speed of the machine", |b| b.iter(relative_speed));
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default().sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
-    targets = sampling, arrangement, raising, previewing
+    targets = sampling, arrangement, raising, previewing, machine
 }
 criterion_main!(benches);

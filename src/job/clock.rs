@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn jobs_side_by_side_pay_for_their_own_threads_only() {
-        let [little, much] = [40, 160].map(Duration::from_millis);
+        let [little, much] = [20, 200].map(Duration::from_millis);
         let job = |each: Duration| {
             let work = || {
                 rayon::broadcast(|_| burn(each));
@@ -151,8 +151,8 @@ mod tests {
             let other = scope.spawn(|| job(much));
             (job(little), other.join().unwrap())
         });
-        // Two threads each; what it takes to wake and to end them comes on top.
-        assert!(a >= 2 * little && a < 2 * little + Duration::from_millis(60), "{a:?}");
-        assert!(b >= 2 * much && b < 2 * much + Duration::from_millis(60), "{b:?}");
+        // Two threads each; what it takes to wake and to end them comes on top. Paying for both would be 440 ms.
+        assert!(a >= 2 * little && a < much, "{a:?}");
+        assert!(b >= 2 * much, "{b:?}");
     }
 }

@@ -59,13 +59,19 @@ fn kernel(heights: &mut [f32], table: &mut [f32]) {
 mod tests {
     use super::*;
 
+    // How fast it is and how much it varies hangs on what else the machine does: `cargo bench --bench design` shows both.
     #[test]
-    fn the_speed_of_the_machine_is_known_within_50_ms_and_stays_the_same() {
-        let begun = ThreadTime::now();
-        let speeds: [f64; 2] = [(); 2].map(|()| relative_speed());
-        let spent = begun.elapsed();
-        assert!(spent < Duration::from_millis(100), "{spent:?}");
-        assert!(speeds.iter().all(|speed| (0.02..50.0).contains(speed)), "{speeds:?}");
-        assert!((0.5..2.0).contains(&(speeds[0] / speeds[1])), "{speeds:?}");
+    fn a_machine_has_a_speed_and_the_kernel_does_the_same_work_each_time() {
+        let speed = relative_speed();
+        assert!(speed.is_finite() && speed > 0.0, "{speed}");
+        let fresh =
+            || ((0..SIDE * SIDE).map(|k| (k * 7919 % 1013) as f32 * 1e-3).collect::<Vec<f32>>(), vec![0.0f32; BINS]);
+        let [first, second] = [(); 2].map(|()| {
+            let (mut heights, mut table) = fresh();
+            kernel(&mut heights, &mut table);
+            (heights, table)
+        });
+        assert_eq!(first, second);
+        assert!(first.0 != fresh().0 && first.1.iter().any(|value| *value != 0.0), "the kernel does something");
     }
 }

@@ -77,8 +77,7 @@ fn ending_at(at: u64, what: fn(&CancelToken)) -> (CancelToken, Arc<AtomicU64>) {
 #[test]
 fn of_two_jobs_at_once_one_is_abandoned_and_the_other_is_as_alone() {
     let recipe = small(32);
-    let (alone, cost) = done(&recipe, &CancelToken::default());
-    let alone = essence(alone.product().unwrap());
+    let alone = essence(done(&recipe, &CancelToken::default()).0.product().unwrap());
     let token = CancelToken::default();
     let (beside, other) = std::thread::scope(|scope| {
         let other = scope.spawn(|| done(&small(256), &token));
@@ -88,8 +87,6 @@ fn of_two_jobs_at_once_one_is_abandoned_and_the_other_is_as_alone() {
     });
     assert!(matches!(other.0, Outcome::Abandoned));
     assert!(essence(beside.0.product().unwrap()) == alone);
-    // Both worked all the time; with both bills on one it would be twice as much.
-    assert!(beside.1.cpu < cost.cpu.mul_f64(1.6), "{:?} beside another, {:?} alone", beside.1, cost);
 }
 
 #[test]
