@@ -73,10 +73,16 @@ pub(super) struct Filling {
     filled: Filled,
     /// How much may be left above the relief, mm.
     most: f64,
-    /// What the last milling knew of the whole relief: its rises, and the profiles that can touch it.
-    last: Option<(Rises, [Vec<(isize, f32)>; 2])>,
+    /// What the last milling went by.
+    last: Option<Steepest>,
     /// Nodes raised since then.
     raised: Vec<usize>,
+}
+
+/// How steeply the whole relief rises, and the parts of the tool's profile along x and y that can then touch it.
+struct Steepest {
+    rises: Rises,
+    profiles: [Vec<(isize, f32)>; 2],
 }
 
 impl Filling {
@@ -142,7 +148,9 @@ impl Filling {
     /// Places where the machined surface lies too far above `relief`, and by how many mm it lies above.
     fn left(&mut self, relief: &PeriodicRelief, progress: &Progress) -> Result<Vec<(usize, f32)>, Cancelled> {
         let n = self.tool.places;
-        if let (Some(rectangles), Some((_, [along_x, along_y]))) = (self.stale(relief), &self.last) {
+        if let (Some(rectangles), Some(Steepest { profiles: [along_x, along_y], .. })) =
+            (self.stale(relief), &self.last)
+        {
             let around = |x, y| Places::around(&rectangles, [x * reach(along_x), y * reach(along_y)], [n, n]);
             let written = sampled_at(relief, n, &around(4, 4));
             let swept = [(3, 4), (3, 3), (2, 3), (2, 2)].map(|(x, y)| around(x, y));
@@ -154,14 +162,14 @@ impl Filling {
         let rises = Rises::of(&written, n, cliff as f32);
         let profiles = self.tool.profiles(relief, rises.extremes());
         let z = milled_heights(&written, n, &profiles[0], &profiles[1], progress)?;
-        self.last = Some((rises, profiles));
+        self.last = Some(Steepest { rises, profiles });
         Ok(self.too_much(relief.nodes, &z, &written, &Places::all([n, n])))
     }
 
     /// Where `relief` has changed since the last milling; `None` if all of it is to be milled.
     fn stale(&mut self, relief: &PeriodicRelief) -> Option<Vec<Rectangle>> {
         let n = self.tool.places;
-        let (rises, profiles) = self.last.as_mut()?;
+        let Steepest { rises, profiles } = self.last.as_mut()?;
         let rectangles = changed(&self.raised, relief.nodes, n);
         let rows: usize = rectangles.iter().map(|[_, rows]| rows.len() + 8 * reach(&profiles[1])).sum();
         // More rows of rectangles would take more memory than all places.
@@ -198,7 +206,7 @@ fn changed(raised: &[usize], nodes: usize, places: usize) -> Vec<Rectangle> {
     let begins = |node: usize| (node as isize - 1) * places as isize;
     let from = |node: usize| begins(node).div_euclid(nodes as isize);
     let to = |node: usize| ((node + 1) * places).div_ceil(nodes) as isize + 1;
-    let together = |a: &usize, b: &usize| a + 1 == *b && b % nodes != 0;
+    let together = |a: &usize, b: &usize| a + 1 == *b && !b.is_multiple_of(nodes);
     let runs = sorted.chunk_by(together);
     runs.map(|run| {
         let (row, first) = (run[0] / nodes, run[0] % nodes);

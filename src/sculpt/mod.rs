@@ -74,8 +74,6 @@ pub mod sweep;
 
 pub mod tool;
 
-mod filling;
-
 pub mod milled_facets;
 
 pub mod matching;
@@ -89,6 +87,8 @@ pub mod slope_loss;
 pub mod depth_limit;
 
 pub mod objective;
+
+mod filling;
 
 pub mod plan;
 

@@ -63,7 +63,7 @@ mod tests {
         assert_eq!(places.rows[5], across);
         assert_eq!(places.rows[0], [0..5, 7..10]);
         assert_eq!(places.rows[1], [0..5, 7..10]);
-        assert_eq!(places.rows[2], [2..5]);
+        assert_eq!(places.rows[2].as_slice(), std::slice::from_ref(&(2..5)));
         assert!(places.rows[3].is_empty() && places.rows[4].is_empty());
         let wide = Places::around(&[[4..5, 2..3]], [5, 9], [10, 6]);
         assert_eq!(wide.rows, Places::all([10, 6]).rows);
