@@ -57,13 +57,13 @@ const BESIDE: f64 = 0.4;
 /// 6.2 s more, those beside a sheet 4.7 s.
 const MILLED: (f64, f64) = (2.2, 1.4e-6);
 
-/// CPU seconds of a descent over a whole plate in its room: any, and for each evaluation of a node. Plates of 192² and 384²
-/// nodes took 3.3 and 9.9 s.
-const ROOM: (f64, f64) = (0.5, 3.5e-7);
+/// CPU seconds of a descent over a whole plate in its room: any, and for each evaluation of a node without a cutter and for
+/// one. Plates of 192² and 384² nodes took 3.3 and 9.9 s.
+const ROOM: (f64, f64, f64) = (0.5, 3.5e-7, 7.4e-7);
 
-/// CPU seconds a place of the tool over such a plate, without steps, on which valleys are filled again and again. 30 mm for balls
-/// of 1 and 2 mm, 9.9 and 5.6 million places, took 40 and 32 s.
-const ROOM_PLACE: f64 = 4e-6;
+/// CPU seconds a place of the tool over such a plate, without steps. 30 mm with 192² and 384² nodes for a ball of 0.5 mm, 22.6
+/// million places, took 22 to 27 and 41 s in all; for a ball of 1 mm with 144² nodes, 11.3 million, 10.6 s.
+const ROOM_PLACE: f64 = 7e-7;
 
 /// CPU seconds of the proof in a room: any, a ray, a triangle, which is thrown onto a dozen walls. Plates of 74,000 and 295,000
 /// triangles took 2.2 and 3.1 s with 2 million rays.
@@ -202,10 +202,13 @@ fn room_seconds(recipe: &Recipe, spec: &SheetSpec) -> f64 {
     }
     let (squares, cutter) = (spec.cells.map(|cells| cells * spec.grid), spec.settings.cutter);
     let (evaluations, grid) = evaluations(squares, spec.cell / spec.grid as f64, cutter);
-    let tool = cutter.map_or(0.0, |cutter| {
-        ROOM_PLACE * Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter).all_places()
-    });
-    ROOM.0 + ROOM.1 * evaluations + tool
+    match cutter {
+        None => ROOM.0 + ROOM.1 * evaluations,
+        Some(cutter) => {
+            let finer = Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter);
+            ROOM.0 + ROOM.2 * evaluations + ROOM_PLACE * finer.all_places()
+        }
+    }
 }
 
 /// Rays of a proof, each of which takes `smooth` CPU seconds on metal without a lobe.

@@ -30,6 +30,9 @@ pub struct PlanReport {
     /// What would help most, if anything would.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub helps_most: Option<String>,
+    /// Whether it was ended before all ways that were to be proved were.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub ended_early: bool,
     /// How the best light came out, in a sentence.
     pub verdict: String,
 }

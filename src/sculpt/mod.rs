@@ -37,7 +37,7 @@
 //! 2. **Matching**, for a cutter, on at most 256: [`matching`] brings the slopes near the wanted ones.
 //! 3. **Descent** on the same grid by L-BFGS ([`crate::descent`]) at σ = 0.5°, 0.35°, 0.25°.
 //! 4. **Finer grids**, each the double of the one before ([`resample`]), with two more descents on each.
-//! 5. **Clearing**, for a cutter: nodes that it still does not reach are raised ([`tool`]).
+//! 5. **Clearing**, for a cutter: nodes that it still does not reach are raised (`filling`).
 //!
 //! For a lamp and a wall nearby, [`room`] goes on from there over the whole plate.
 //!
@@ -66,9 +66,13 @@ pub mod axis_histogram;
 
 pub mod closing;
 
+mod places;
+
 pub mod resample;
 
 pub mod bisection;
+
+mod rises;
 
 pub mod sweep;
 
@@ -87,6 +91,8 @@ pub mod slope_loss;
 pub mod depth_limit;
 
 pub mod objective;
+
+mod filling;
 
 pub mod plan;
 

@@ -5,24 +5,33 @@ use rayon::prelude::*;
 use crate::relief::height_grid::rises;
 use crate::relief::periodic::PeriodicRelief;
 
+use super::places::Places;
+
 /// Heights of a cell's triangles about the mean plane at `n` × `n` places, rows of constant y.
 pub fn sampled(relief: &PeriodicRelief, n: usize) -> Vec<f32> {
+    sampled_at(relief, n, &Places::all([n, n]))
+}
+
+/// The same at some of them alone; elsewhere 0.
+pub(super) fn sampled_at(relief: &PeriodicRelief, n: usize, places: &Places) -> Vec<f32> {
     let nodes = relief.nodes;
     // Square and place in it, 0 to 1, along either side.
     let at: Vec<(usize, f32)> = (0..n).map(|k| (k * nodes / n, (k * nodes % n) as f32 / n as f32)).collect();
     let mut samples = vec![0.0f32; n * n];
-    samples.par_chunks_mut(n).zip(&at).with_min_len(16).for_each(|(row, &(j, b))| {
+    samples.par_chunks_mut(n).zip(&places.rows).zip(&at).with_min_len(16).for_each(|((row, ranges), &(j, b))| {
         let row_of = |j: usize| &relief.heights[j % nodes * nodes..][..nodes];
         let (lower, upper) = (row_of(j), row_of(j + 1));
-        for (z, &(i, a)) in row.iter_mut().zip(&at) {
-            let next = if i + 1 == nodes { 0 } else { i + 1 };
-            let [z00, z10, z01, z11] = [lower[i], lower[next], upper[i], upper[next]];
-            *z = match rises([z00, z10, z01, z11].map(f64::from)) {
-                true if b <= a => z00 + a * (z10 - z00) + b * (z11 - z10),
-                true => z00 + a * (z11 - z01) + b * (z01 - z00),
-                false if a + b <= 1.0 => z00 + a * (z10 - z00) + b * (z01 - z00),
-                false => z11 + (1.0 - a) * (z01 - z11) + (1.0 - b) * (z10 - z11),
-            };
+        for range in ranges {
+            for (z, &(i, a)) in row[range.clone()].iter_mut().zip(&at[range.clone()]) {
+                let next = if i + 1 == nodes { 0 } else { i + 1 };
+                let [z00, z10, z01, z11] = [lower[i], lower[next], upper[i], upper[next]];
+                *z = match rises([z00, z10, z01, z11].map(f64::from)) {
+                    true if b <= a => z00 + a * (z10 - z00) + b * (z11 - z10),
+                    true => z00 + a * (z11 - z01) + b * (z01 - z00),
+                    false if a + b <= 1.0 => z00 + a * (z10 - z00) + b * (z01 - z00),
+                    false => z11 + (1.0 - a) * (z01 - z11) + (1.0 - b) * (z10 - z11),
+                };
+            }
         }
     });
     samples

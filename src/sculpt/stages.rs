@@ -14,8 +14,9 @@ use super::bound::{Unavoidable, unavoidable};
 use super::checkpoint::Checkpoint;
 use super::closing::Closing;
 use super::edge_slopes::Lattice;
+use super::filling::{Filled, clear};
 use super::matching::Matching;
-use super::objective::{CLEARANCE, Objective, relief};
+use super::objective::{Objective, relief};
 use super::plan::{
     DESCENT_FIRST_MOVE, MEMORY, PREVIEW_TRIAL, SheetSpec, Stage, Step, TOLERANCE, TRIAL_ROUNDS, TRIES, plan,
     trial_descent,
@@ -39,10 +40,6 @@ const FINEST_BIN: f64 = 0.125;
 /// Widest pieces in which pixels of the drawing are carried over to slopes, degrees: narrower than a bin; and of a preview.
 const PIECES: f64 = 0.1;
 const PREVIEW_PIECES: f64 = 0.3;
-
-/// How often unreached nodes are raised on the tool's grid and between its places in turns, at the most; two or three are
-/// usual.
-const FILLINGS: usize = 20;
 
 /// How much slopes are moved at random on the way to a finer grid, up to ±half of this: 0.1° in tilt, 0.2° in the picture, a
 /// little less than the narrowest blur of the design. Triangles that are equal move alike from then on, and a half-sized
@@ -308,16 +305,8 @@ impl<'a> Work<'a> {
         let z = self.resampled(&at, grid);
         let mut relief = relief(lattice, &z, self.tilt);
         if let Some(cutter) = settings.cutter.filter(|_| !settings.preview) {
-            let tool = Tool::new(cell, cutter);
-            // In a valley that runs along neither axis nor diagonal, the lowest points lie between the tool's places; a node
-            // raised for them may be too high for the tool on its grid, and so on.
-            let finer = Tool::without_steps(cell, grid, cutter);
-            for _ in 0..FILLINGS {
-                tool.fill(&mut relief, CLEARANCE, self.progress)?;
-                if !finer.fill(&mut relief, CLEARANCE, self.progress)? {
-                    break;
-                }
-            }
+            let tools = [Tool::new(cell, cutter), Tool::without_steps(cell, grid, cutter)];
+            clear(&mut relief, Filled::whole(grid), tools, self.progress)?;
         }
         let objective = self.objective(lattice, LossScale { blur: COMPARED_AT, alpha: 0.0, weighed: false });
         let fillets = objective.fillets(&relief.heights);

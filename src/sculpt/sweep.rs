@@ -9,6 +9,8 @@ use rayon::prelude::*;
 
 use crate::progress::{Cancelled, Progress};
 
+use super::places::Places;
+
 /// Part of a cutter's profile along one axis: steps aside from the tip, and minus the height of the underside there, mm.
 pub(crate) type Profile = [(isize, f32)];
 
@@ -22,10 +24,28 @@ pub(crate) fn milled_heights(
     along_y: &Profile,
     progress: &Progress,
 ) -> Result<Vec<f32>, Cancelled> {
-    let mut z = swept_along_rows(z, width, along_x, Sweep::Path, progress)?;
-    z = swept_across_rows(&z, width, along_y, Sweep::Path, progress)?;
-    z = swept_along_rows(&z, width, along_x, Sweep::Surface, progress)?;
-    swept_across_rows(&z, width, along_y, Sweep::Surface, progress)
+    let all = Places::all([width, z.len() / width]);
+    milled_places(z, width, [along_x, along_y], [&all; 4], progress)
+}
+
+/// The same at some places alone: `swept` are those of the path along rows, the path, the surface along rows and the surface,
+/// each of which lies in the one before, a sweep's reach from its rim. `z` need only be known a reach around the first.
+pub(super) fn milled_places(
+    z: &[f32],
+    width: usize,
+    [along_x, along_y]: [&Profile; 2],
+    swept: [&Places; 4],
+    progress: &Progress,
+) -> Result<Vec<f32>, Cancelled> {
+    let mut z = swept_along_rows(z, width, along_x, (Sweep::Path, swept[0]), progress)?;
+    z = swept_across_rows(&z, width, along_y, (Sweep::Path, swept[1]), progress)?;
+    z = swept_along_rows(&z, width, along_x, (Sweep::Surface, swept[2]), progress)?;
+    swept_across_rows(&z, width, along_y, (Sweep::Surface, swept[3]), progress)
+}
+
+/// How far a profile reaches from its tip, places.
+pub(super) fn reach(profile: &Profile) -> usize {
+    profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0)
 }
 
 /// Which of the two sweeps.
@@ -41,18 +61,22 @@ fn swept_along_rows(
     z: &[f32],
     width: usize,
     profile: &Profile,
-    sweep: Sweep,
+    (sweep, places): (Sweep, &Places),
     progress: &Progress,
 ) -> Result<Vec<f32>, Cancelled> {
-    let reach = profile.iter().map(|(aside, _)| aside.unsigned_abs()).max().unwrap_or(0);
+    let reach = reach(profile);
     let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(width).zip(z.par_chunks(width)).with_min_len(16).try_for_each_init(
+    let rows = z.par_chunks(width).zip(&places.rows);
+    out.par_chunks_mut(width).zip(rows).with_min_len(16).try_for_each_init(
         Vec::new,
-        |around, (out, row)| {
+        |around, (out, (row, ranges))| {
             progress.check()?;
-            around.clear();
-            around.extend((0..width + 2 * reach).map(|k| row[(k + reach * (width - 1)) % width]));
-            sweep.line(out, profile, |aside| &around[reach.wrapping_add_signed(aside)..][..width]);
+            for range in ranges {
+                around.clear();
+                around.extend((range.start..range.end + 2 * reach).map(|k| row[(k + reach * (width - 1)) % width]));
+                let out = &mut out[range.clone()];
+                sweep.line(out, profile, |aside| &around[reach.wrapping_add_signed(aside)..][..range.len()]);
+            }
             Ok(())
         },
     )?;
@@ -63,15 +87,17 @@ fn swept_across_rows(
     z: &[f32],
     width: usize,
     profile: &Profile,
-    sweep: Sweep,
+    (sweep, places): (Sweep, &Places),
     progress: &Progress,
 ) -> Result<Vec<f32>, Cancelled> {
     let rows = (z.len() / width) as isize;
     let mut out = vec![0.0f32; z.len()];
-    out.par_chunks_mut(width).enumerate().with_min_len(16).try_for_each(|(j, out)| {
+    out.par_chunks_mut(width).zip(&places.rows).enumerate().with_min_len(16).try_for_each(|(j, (out, ranges))| {
         progress.check()?;
         let row = |aside: isize| (j as isize + aside).rem_euclid(rows) as usize;
-        sweep.line(out, profile, |aside| &z[row(aside) * width..][..width]);
+        for range in ranges {
+            sweep.line(&mut out[range.clone()], profile, |aside| &z[row(aside) * width..][range.clone()]);
+        }
         Ok(())
     })?;
     Ok(out)

@@ -14,11 +14,11 @@ use glam::DVec2;
 
 use crate::cutter::Cutter;
 use crate::progress::{Cancelled, Progress};
-use crate::raster::bilinear_weights;
 use crate::relief::periodic::PeriodicRelief;
 
 use super::periodic_filter::smoothed;
 use super::resample::sampled;
+use super::rises::{Extremes, Rises};
 use super::sweep::milled_heights;
 
 /// Places along a side of a cell at the most: 4 million of them take 16 MB a copy, and 0.1 s to sweep.
@@ -36,9 +36,6 @@ const MOST_FINE: usize = 1 << 14;
 /// Height of the ridge left between two places of the tool without steps, mm: a twentieth of the clearance that the
 /// design keeps.
 const RIDGE: f64 = 0.025e-3;
-
-/// Rounds after which filling goes on in longer strides.
-const PATIENCE: usize = 10;
 
 /// A cutter over a grid of places.
 #[derive(Clone, Debug)]
@@ -107,72 +104,27 @@ impl Tool {
     ) -> Result<Milled, Cancelled> {
         let n = self.places;
         let written = sampled(relief, n);
-        let step = relief.cell / n as f64;
-        let rise = |k: usize, next: usize| {
-            let rise = written[next] - written[k];
-            if rise.abs() < cliff { rise } else { 0.0 }
-        };
-        let along_x = self.profile((0..n * n).map(|k| rise(k, k / n * n + (k + 1) % n)), step.x, relief.tilt.p);
-        let along_y = self.profile((0..n * n).map(|k| rise(k, (k + n) % (n * n))), step.y, relief.tilt.q);
+        let [along_x, along_y] = self.profiles(relief, Rises::of(&written, n, cliff).extremes());
         let z = milled_heights(&written, n, &along_x, &along_y, progress)?;
         let left = z.iter().zip(&written).map(|(a, b)| a - b).collect();
         let relief = PeriodicRelief { nodes: n, heights: z, cell: relief.cell, cells: [1, 1], tilt: relief.tilt };
         Ok(Milled { relief, left })
     }
 
-    /// The part of the profile that can touch a relief which rises by `rises` mm from place to place, `step` mm apart,
-    /// about the slope `mean` of its mean plane; that plane is taken off, as it is off the heights.
-    fn profile(&self, rises: impl Iterator<Item = f32>, step: f64, mean: f64) -> Vec<(isize, f32)> {
-        let (low, high) = rises.fold((0.0f32, 0.0f32), |r, v| (r.0.min(v), r.1.max(v)));
-        let touched = |rise: f32| self.cutter.contact(f64::from(rise) / step + mean) / step;
-        let (from, to) = (touched(low).floor() as isize - 1, touched(high).ceil() as isize + 1);
-        (from..=to)
-            .map(|aside| {
-                let x = aside as f64 * step;
-                (aside, (mean * x - self.cutter.underside(x)) as f32)
-            })
-            .collect()
-    }
-
-    /// By how much the bottom of a straight valley must rise for each mm that the machined surface shall lie lower above
-    /// it, where that is 0.8 of `most` mm: a ball of radius R stays R Δs²/8 above the edge of two slopes Δs apart, and a
-    /// rise by z takes 2z over the distance of nodes from Δs.
-    fn rise_for_clearance(&self, relief: &PeriodicRelief, most: f64) -> f32 {
-        let radius = self.cutter.valley_radius();
-        let jump = (8.0 * 0.8 * most / radius).sqrt();
-        (2.0 * relief.step().min_element() / (radius * jump)) as f32
-    }
-
-    /// Raises nodes of `relief` until the machined surface lies nowhere more than `most` mm above its triangles. Returns
-    /// whether any node was raised.
-    ///
-    /// About one node in a thousand needs it, in a few rounds. Where nodes lie far apart for the cutter, a valley is filled
-    /// slowly: its ends must rise by many times as much as the machined surface comes down. After [`PATIENCE`] rounds they
-    /// are raised by half of that: a sheet of 16 nodes in 30 mm for a ball of 1 mm did not end within a hundred rounds before.
-    pub(crate) fn fill(&self, relief: &mut PeriodicRelief, most: f64, progress: &Progress) -> Result<bool, Cancelled> {
-        const ROUNDS: usize = 100;
-        let (n, places) = (relief.nodes, self.places);
-        let half_of_the_way = (0.5 * self.rise_for_clearance(relief, most)).max(1.0);
-        for round in 0..ROUNDS {
-            let milled = self.mill(relief, progress)?;
-            let stride = if round < PATIENCE { 1.0 } else { half_of_the_way };
-            let mut raise = vec![0.0f32; n * n];
-            for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
-                let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
-                let [(i, a), (j, b)] = at;
-                // A fifth more than is needed, so that few rounds are.
-                let excess = stride * (left - 0.8 * most as f32);
-                for ((x, y), share) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(bilinear_weights(a, b)) {
-                    let node = &mut raise[(j + y) % n * n + (i + x) % n];
-                    *node = node.max(excess * share);
-                }
-            }
-            if raise.iter().all(|v| *v == 0.0) {
-                return Ok(round > 0);
-            }
-            relief.heights.iter_mut().zip(&raise).for_each(|(z, v)| *z += v);
-        }
-        Ok(true)
+    /// The parts of the profile along x and y that can touch `relief`, which rises by at least and at the most so many mm from
+    /// place to place along either. Its mean plane is taken off, as it is off the heights.
+    pub(super) fn profiles(&self, relief: &PeriodicRelief, rises: Extremes) -> [Vec<(isize, f32)>; 2] {
+        let step = relief.cell / self.places as f64;
+        [(step.x, relief.tilt.p, rises[0]), (step.y, relief.tilt.q, rises[1])].map(|(step, mean, [low, high])| {
+            let touched = |rise: f32| self.cutter.contact(f64::from(rise) / step + mean) / step;
+            let (from, to) = (touched(low).floor() as isize - 1, touched(high).ceil() as isize + 1);
+            (from..=to)
+                .map(|aside| {
+                    let x = aside as f64 * step;
+                    (aside, (mean * x - self.cutter.underside(x)) as f32)
+                })
+                .collect()
+        })
     }
 }
 
@@ -232,16 +184,5 @@ mod tests {
             let expected = all().map(|a| path[a] + drop(a, b)).fold(f64::MAX, f64::min);
             assert!((f64::from(cut.relief.heights[b]) - expected).abs() < 1e-6, "{b}");
         }
-    }
-
-    #[test]
-    fn what_the_cutter_cannot_reach_is_filled() {
-        let mut rough = relief(40, |x, y| 0.05 * (x - 0.5).abs() + 0.002 * (9.0 * y).sin().max(0.7));
-        let tool = Tool::new(rough.cell, Cutter::ball(0.5));
-        let before = rough.clone();
-        assert!(tool.mill(&rough, &Progress::silent()).unwrap().most_left() > 2e-4);
-        tool.fill(&mut rough, 2e-4, &Progress::silent()).unwrap();
-        assert!(tool.mill(&rough, &Progress::silent()).unwrap().most_left() <= 2e-4);
-        assert!(rough.heights.iter().zip(&before.heights).all(|(a, b)| a >= b));
     }
 }

@@ -38,6 +38,7 @@ fn what_cannot_be_planned_is_told() {
         ("ring.png --machine vmc --wanted 0", 2, ["--wanted", "0.0001"]),
         ("ring.png --machine vmc --hours 1 --facets 9x9", 2, ["--facets", "there is no"]),
         ("none.png --machine vmc --hours 1", 3, ["none.png", "no such file"]),
+        ("ring.png --machine vmc --hours 1 --size 6x6 --cells 1 --max-depth 0.01", 4, ["--max-depth", "0.01 mm"]),
     ] {
         assert_refused(&run_line(home.path(), &format!("plan {flags} -o plan")), code, &words);
     }

@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
 use facetmill::job::clock::{Spent, on_own_threads};
+use facetmill::job::plan::{Goal, Task};
 use facetmill::job::{Content, Job, Outcome, Product};
 use facetmill::memory::MemoryLimit;
+use facetmill::milling::machine::Machine;
 use facetmill::picture::{Picture, Reading, from_raster};
 use facetmill::progress::{CancelToken, Cancelled, Event, Progress, Stage};
 use facetmill::projection::View;
@@ -236,4 +238,31 @@ fn what_is_cancelled_says_so_and_what_is_dark_says_that() {
     assert_eq!(exact_w1(&target, &elsewhere, view, 16, &abandoned), Err(cancelled));
     assert_eq!(exact_w1(&target, &dark, view, 16, &silent), Err(MeasureError::NoLight));
     assert!(judged(&target, &silent).is_ok() && exact_w1(&target, &elsewhere, view, 16, &silent).is_ok());
+}
+
+/// Of the three numbers of cells that there are, one is designed when the wish to finish comes.
+#[test]
+fn a_plan_told_to_finish_ends_with_the_ways_that_are_proved() {
+    let mut recipe = small(32);
+    (recipe.plate.cells, recipe.plate.grid, recipe.plate.max_triangles) = (None, None, Some(6000));
+    let (picture, machine, cancel) = (ring(), Machine::preset("vmc").unwrap(), CancelToken::default());
+    let task = Task {
+        recipe: &recipe,
+        any_size: false,
+        picture: &picture,
+        machine: &machine,
+        goal: Goal::Within(0.05),
+        tolerance: 0.0,
+        memory: MemoryLimit::NONE,
+    };
+    let (hears, heard) = (|_: Event<'_>| {}, AtomicU64::new(0));
+    let enough = |_: &_| {
+        heard.fetch_add(1, Ordering::Relaxed);
+        cancel.finish();
+    };
+    let plan = task.plan(enough, &Progress::new(&hears, &cancel)).unwrap();
+    assert!(plan.ended_early && plan.best.len() == 1 && heard.load(Ordering::Relaxed) == 1, "{:?}", plan.best);
+    cancel.abandon();
+    let abandoned = task.plan(|_| {}, &Progress::new(&hears, &cancel)).unwrap_err();
+    assert_eq!(abandoned.to_string(), "abandoned as asked");
 }

@@ -47,17 +47,21 @@ pub fn run(args: &PlanArgs, run: &Run) -> Result<(), Failure> {
     let progress = Progress::new(&listen, &run.cancel);
     let any_size = !args.settings.has("size");
     let task = Task { recipe: &recipe, any_size, picture: &picture, machine: &machine, goal, tolerance, memory };
-    let plan = task.plan(&progress).map_err(failure)?;
+    // Once a way is proved, Ctrl-C ends with what there is.
+    let plan = task.plan(|_| run.keep(|| ()), &progress).map_err(failure)?;
+    run.design_is_over();
     progress.stage(Stage::Files);
     let report = plan.report(&task, Some(path.to_string_lossy().into_owned()));
     write(&mut staged, &plan, &report, &path)?;
     staged.publish()?;
     stages.finish();
+    let few = || format!("Ended early: {} of the best ways proved; the others might be better.", plan.best.len());
+    let ended = plan.ended_early.then(few);
     tell(&args.running, &report, |report| Table {
         title: report.verdict.clone(),
         rows: in_rows(&plan, report),
         more: Vec::new(),
-        notes: report.helps_most.iter().cloned().chain(report.picture.notes.clone()).collect(),
+        notes: ended.iter().chain(&report.helps_most).chain(&report.picture.notes).cloned().collect(),
     })?;
     Ok(())
 }

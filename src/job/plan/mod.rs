@@ -95,6 +95,8 @@ pub struct Plan {
     pub helps: Option<(String, f64)>,
     /// Direction of the passes, radians.
     pub angle: f64,
+    /// Whether it was told to finish before the last way was proved.
+    pub ended_early: bool,
 }
 
 /// A way that was designed and proved.
@@ -111,20 +113,21 @@ pub struct Proved {
 }
 
 impl Task<'_> {
-    /// Plans.
+    /// Plans. From the first time on that `on_proved` hears of a way, a wish to finish ends the plan with the ways that are
+    /// proved by then.
     ///
     /// # Errors
-    /// Nothing fits the hours, or the figure; a design cannot be made; the work was abandoned.
-    pub fn plan(&self, progress: &Progress) -> Result<Plan, PlanError> {
+    /// Nothing fits the hours, the figure or the depth; a design cannot be made; the work was abandoned.
+    pub fn plan(&self, on_proved: impl Fn(&Proved), progress: &Progress) -> Result<Plan, PlanError> {
         progress.stage(Stage::Planning);
         let mut model = Model::new(self.recipe, self.picture, self.tolerance, progress)?;
-        let free = Free::of(self.recipe, self.any_size, model.angle);
+        let free = Free::of(self.recipe, self.any_size, &model);
         let (hours, choices) = match self.goal {
             Goal::Within(hours) => (hours, free.best((&mut model, self.machine), hours, progress)?),
             Goal::Wanted(wanted) => self.fewest_hours(wanted, &free, &mut model, progress)?,
         };
         if choices.is_empty() {
-            let least = free.least_hours(self.machine).ok_or(PlanError::NoCutter)?;
+            let least = free.least_hours(self.machine).ok_or_else(|| free.nothing_fits())?;
             return Err(PlanError::TooFewHours { hours, least });
         }
         let counted = |choice: &Choice| -> Result<Choice, DesignError> {
@@ -134,17 +137,51 @@ impl Task<'_> {
         let counted = choices.iter().take(2 * PROVED).map(counted).collect::<Result<Vec<_>, _>>()?;
         let lines = self.lines(hours, &free, &mut model, progress)?;
         let helps = self.helps(&counted[0], &free, &mut model, progress)?;
-        let mut best = Vec::new();
-        for choice in &counted {
-            if best.len() < PROVED {
-                best.extend(self.proved(choice, model.angle, progress)?);
+        let (best, ended_early) = self.best_proved(&counted, model.angle, on_proved, progress)?;
+        Ok(Plan { hours, best, lines, helps, angle: model.angle, ended_early })
+    }
+
+    /// The first of `choices` that can be made, designed and proved, the best first; and whether there would have been more.
+    fn best_proved(
+        &self,
+        choices: &[Choice],
+        angle: f64,
+        on_proved: impl Fn(&Proved),
+        progress: &Progress,
+    ) -> Result<(Vec<Proved>, bool), PlanError> {
+        let (mut best, mut dropped, mut ended_early) = (Vec::<Proved>::new(), None, false);
+        let ways = PROVED.min(choices.len());
+        for choice in choices {
+            let number = best.len() + 1;
+            if number > ways {
+                break;
+            }
+            progress.stage_with(Stage::Sculpting, &format!("way {number} of {ways}"));
+            // The first is made to its end; a later one is dropped on a wish to finish, since half-made it would prove nothing.
+            let made = match best.is_empty() {
+                true => self.proved(choice, angle, &progress.to_the_end()),
+                false => self.proved(choice, angle, &progress.until_finish()),
+            };
+            match made {
+                Ok(proved) => {
+                    on_proved(&proved);
+                    best.push(proved);
+                }
+                Err(PlanError::Design(DesignError::Cancelled(_))) if !progress.is_abandoned() && !best.is_empty() => {
+                    ended_early = true;
+                    break;
+                }
+                Err(error @ (PlanError::Memory | PlanError::Design(DesignError::TooDeep { .. }))) => {
+                    dropped = Some(error)
+                }
+                Err(error) => return Err(error),
             }
         }
-        best.sort_by(|a: &Proved, b: &Proved| a.mean().total_cmp(&b.mean()));
         if best.is_empty() {
-            return Err(PlanError::Memory);
+            return Err(dropped.unwrap_or(PlanError::Memory));
         }
-        Ok(Plan { hours, best, lines, helps, angle: model.angle })
+        best.sort_by(|a, b| a.mean().total_cmp(&b.mean()));
+        Ok((best, ended_early))
     }
 
     /// The fewest hours in which no more light is expected to be misplaced than `wanted`.
@@ -232,14 +269,14 @@ impl Task<'_> {
         Ok(best.min_by(|a, b| a.1.total_cmp(&b.1)))
     }
 
-    /// Designs `choice` and proves it as made; `None` if it would take too much memory.
-    fn proved(&self, choice: &Choice, angle: f64, progress: &Progress) -> Result<Option<Proved>, PlanError> {
+    /// Designs `choice` and proves it as made.
+    fn proved(&self, choice: &Choice, angle: f64, progress: &Progress) -> Result<Proved, PlanError> {
         let recipe = self.recipe_of(choice, angle);
         recipe.check().map_err(DesignError::from)?;
         if self.memory.admit(memory::need(&recipe, self.picture.light.width, true)).is_err() {
-            return Ok(None);
+            return Err(PlanError::Memory);
         }
-        let Some(machining) = recipe.machining().map_err(DesignError::from)? else { return Ok(None) };
+        let Some(machining) = recipe.machining().map_err(DesignError::from)? else { return Err(PlanError::NoCutter) };
         let made = design(&recipe, &self.picture.light, progress)?;
         let setup = &made.distribution.setup;
         let resolution = recipe.measuring().resolution;
@@ -256,7 +293,7 @@ impl Task<'_> {
             let other = prove_as_made(&machining, plate, seen, 1, mirrored)?;
             polish_off.push(other.verdict.main().tv_incident.value);
         }
-        Ok(Some(Proved { choice: *choice, recipe, made, polish_off }))
+        Ok(Proved { choice: *choice, recipe, made, polish_off })
     }
 
     fn recipe_of(&self, choice: &Choice, angle: f64) -> Recipe {
@@ -315,6 +352,16 @@ pub enum PlanError {
     /// No cutter for the cells.
     #[error("no ball that is sold suits a plate so small or so large: name one with --for-cutter")]
     NoCutter,
+    /// Every relief is too deep.
+    #[error(
+        "every relief would be deeper than {most} mm, the shallowest {least:.2} mm: raise --max-depth, or take a smaller --size or more --cells"
+    )]
+    TooDeep {
+        /// What is allowed, mm.
+        most: f64,
+        /// What the shallowest is expected to have, mm.
+        least: f64,
+    },
     /// All that was found is too large.
     #[error("the designs would take more memory than there is: raise --memory, or take a smaller --size")]
     Memory,

@@ -56,8 +56,13 @@ pub struct Way {
 impl Way {
     /// The shorter side of a cell, mm.
     pub fn cell(&self) -> f64 {
-        (self.size / DVec2::from(self.cells.map(|n| n as f64))).min_element()
+        cell_side(self.size, self.cells)
     }
+}
+
+/// The shorter side of one of `cells` on a plate of `size`, mm.
+pub fn cell_side(size: DVec2, cells: [usize; 2]) -> f64 {
+    (size / DVec2::from(cells.map(|n| n as f64))).min_element()
 }
 
 /// What is expected of a way.
@@ -123,6 +128,7 @@ impl Model {
         (quick.plate.cells, quick.plate.grid, quick.plate.border) = (Some(1.into()), Some(QUICK), 0.0);
         (quick.plate.border_finish, quick.plate.max_triangles) = (None, None);
         (quick.design.sheet.cutter, quick.design.sheet.polish) = (None, Some(QUICK_POLISH));
+        quick.design.sheet.max_depth = None;
         quick.machining = MachiningSettings::default();
         let made = design(&quick, &picture.light, &progress.hushed())?;
         let sheet = made.sheet.ok_or(DesignError::NoLight)?;
@@ -155,6 +161,11 @@ impl Model {
         let spreads = (0..SPREADS).map(|k| LEAST_SPREAD * WIDER.powi(k as i32));
         model.by_spread = spreads.map(|s| (s, model.smeared(s, model.angle))).collect();
         Ok(model)
+    }
+
+    /// How deep a relief is for each of its cell's shorter side.
+    pub fn depth_a_cell(&self) -> f64 {
+        self.cell.depth() / QUICK_SIDE
     }
 
     fn smeared(&self, across: f64, angle: f64) -> f64 {

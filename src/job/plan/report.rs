@@ -33,6 +33,7 @@ impl Plan {
                 .map(|(cutter, points)| CutterLine { cutter: *cutter, hours_and_tv_1deg: points.clone() })
                 .collect(),
             helps_most: self.help(),
+            ended_early: self.ended_early,
             verdict,
         }
     }

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-use super::model::{Expected, Model, Way};
+use super::PlanError;
+use super::model::{Expected, Model, Way, cell_side};
 use crate::cutter::Cutter;
 use crate::job::design::DesignError;
 use crate::milling::machine::Machine;
@@ -47,6 +48,10 @@ pub struct Free {
     polish: Option<f64>,
     zigzag: bool,
     angle: f64,
+    /// The deepest relief that is allowed, mm.
+    most_depth: Option<f64>,
+    /// Depth of a relief for each of its cell's shorter side.
+    depth_a_cell: f64,
 }
 
 /// A way, the time that it takes, and what is expected of it.
@@ -62,7 +67,7 @@ pub struct Choice {
 
 impl Free {
     /// All that `recipe` does not say; its size too, if `any_size`.
-    pub fn of(recipe: &Recipe, any_size: bool, angle: f64) -> Self {
+    pub fn of(recipe: &Recipe, any_size: bool, model: &Model) -> Self {
         let size = DVec2::from(recipe.plate.size);
         let shape = size / size.min_element();
         let sheet = &recipe.design.sheet;
@@ -72,7 +77,19 @@ impl Free {
             cutters: sheet.cutter,
             polish: sheet.polish,
             zigzag: recipe.machining.pass_order == Some(PassOrder::Zigzag),
-            angle,
+            angle: model.angle,
+            most_depth: sheet.max_depth,
+            depth_a_cell: model.depth_a_cell(),
+        }
+    }
+
+    /// Why there is no plate at all.
+    pub fn nothing_fits(&self) -> PlanError {
+        let sides = self.sizes.iter().flat_map(|size| self.cells.iter().map(|cells| cell_side(*size, *cells)));
+        let least = self.depth_a_cell * sides.reduce(f64::min).unwrap_or(0.0);
+        match self.most_depth {
+            Some(most) if least > most => PlanError::TooDeep { most, least },
+            _ => PlanError::NoCutter,
         }
     }
 
@@ -81,7 +98,10 @@ impl Free {
         let mut all = Vec::new();
         for size in &self.sizes {
             for cells in &self.cells {
-                let cell = (*size / DVec2::from(cells.map(|n| n as f64))).min_element();
+                let cell = cell_side(*size, *cells);
+                if self.most_depth.is_some_and(|most| self.depth_a_cell * cell > most) {
+                    continue;
+                }
                 let fits = |ball: &f64| (BALL_A_CELL[0]..=BALL_A_CELL[1]).contains(&(ball / cell));
                 let balls = BALLS.iter().copied().filter(fits).map(Cutter::ball);
                 all.extend(

@@ -8,14 +8,14 @@ use crate::near::NearField;
 use crate::progress::{Cancelled, Progress};
 use crate::raster::Raster;
 use crate::relief::open::OpenRelief;
-use crate::sculpt::objective::CLEARANCE;
+use crate::sculpt::filling::clear;
 use crate::sculpt::plan::{MEMORY, TOLERANCE};
 use crate::sculpt::settings::SheetSettings;
 use crate::sculpt::slope_loss::LossScale;
 use crate::sculpt::tool::Tool;
 
 use super::landing::wanted;
-use super::milling::{fill, usual_tool};
+use super::milling::{filled, lattice_relief, usual_tool};
 use super::objective::PlateObjective;
 use super::plate_grid::PlateGrid;
 
@@ -38,9 +38,6 @@ const STEPS_PER_RESIDUAL: usize = 40;
 
 /// Nodes along the longer side of a plate at the most on which the wide blurs are descended.
 const COARSE: usize = 640;
-
-/// How often unreached nodes are raised on the tool's grid and between its places in turns, at the most.
-const FILLINGS: usize = 20;
 
 /// A plate whose light lands where it is wanted.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,16 +194,10 @@ fn descend(
 fn cleared(relief: &mut OpenRelief, settings: &SheetSettings, progress: &Progress) -> Result<(), Cancelled> {
     let Some(cutter) = settings.cutter else { return Ok(()) };
     let grid = PlateGrid::of(relief, Some(cutter));
-    let mut z = grid.embedded(relief);
-    let tool = usual_tool(&grid, cutter);
+    let mut lattice = lattice_relief(&grid, &grid.embedded(relief));
     let finer = Tool::without_steps(grid.lattice.cell(), grid.lattice.n, cutter);
-    for _ in 0..FILLINGS {
-        fill(&grid, &mut z, &tool, CLEARANCE, progress)?;
-        if !fill(&grid, &mut z, &finer, CLEARANCE, progress)? {
-            break;
-        }
-    }
-    *relief = grid.plate(&z);
+    clear(&mut lattice, filled(&grid), [usual_tool(&grid, cutter), finer], progress)?;
+    *relief = grid.plate(&lattice.heights);
     Ok(())
 }
 

@@ -1,10 +1,10 @@
-//! A whole plate after its cutter, and the filling of what the cutter cannot reach.
+//! A whole plate after its cutter.
 
 use crate::cutter::Cutter;
 use crate::progress::{Cancelled, Progress};
-use crate::raster::bilinear_weights;
 use crate::relief::open::OpenRelief;
 use crate::relief::periodic::PeriodicRelief;
+use crate::sculpt::filling::Filled;
 use crate::sculpt::tool::{PLACES_ACROSS_CUTTER, Tool};
 use crate::slope::Slope;
 
@@ -55,30 +55,9 @@ pub fn milled(grid: &PlateGrid, z: &[f32], tool: &Tool, progress: &Progress) -> 
     Ok(MilledPlate { grid: fine, heights: milled.relief.heights, left })
 }
 
-/// Raises nodes of `z` until the machined surface lies nowhere more than `most` mm above the plate's triangles; returns
-/// whether any node was raised. As `Tool::fill`.
-pub fn fill(grid: &PlateGrid, z: &mut [f32], tool: &Tool, most: f64, progress: &Progress) -> Result<bool, Cancelled> {
-    const ROUNDS: usize = 100;
-    let (n, places) = (grid.lattice.n, tool.places);
-    for round in 0..ROUNDS {
-        let milled = milled(grid, z, tool, progress)?;
-        let mut raise = vec![0.0f32; n * n];
-        for (k, left) in milled.left.iter().enumerate().filter(|(_, left)| f64::from(**left) > most) {
-            let at = [k % places, k / places].map(|c| (c * n / places, (c * n % places) as f32 / places as f32));
-            let [(i, a), (j, b)] = at;
-            let excess = left - 0.8 * most as f32;
-            for ((x, y), share) in [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().zip(bilinear_weights(a, b)) {
-                let node = &mut raise[(j + y) % n * n + (i + x) % n];
-                *node = node.max(excess * share);
-            }
-        }
-        grid.clear_around(&mut raise, 0.0);
-        if raise.iter().all(|v| *v == 0.0) {
-            return Ok(round > 0);
-        }
-        z.iter_mut().zip(&raise).for_each(|(z, v)| *z += v);
-    }
-    Ok(true)
+/// What is filled of the lattice of `grid`: the plate.
+pub(super) fn filled(grid: &PlateGrid) -> Filled {
+    Filled { squares: grid.squares, cliff: CLIFF, hurries: false }
 }
 
 /// The lattice as one cell, for a [`Tool`].

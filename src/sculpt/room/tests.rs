@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::exact::exact;
 use super::landing::wanted;
-use super::milling::{fill, milled, usual_tool};
+use super::milling::{filled, lattice_relief, milled, usual_tool};
 use super::objective::PlateObjective;
 use super::placed::placed;
 use super::plate_grid::PlateGrid;
@@ -16,6 +16,7 @@ use crate::raster::Raster;
 use crate::relief::open::{NodeGrid, OpenRelief};
 use crate::relief::periodic::PeriodicRelief;
 use crate::scene::Scene;
+use crate::sculpt::filling::Filling;
 use crate::sculpt::settings::SheetSettings;
 use crate::sculpt::slope_loss::LossScale;
 use crate::slope::{Slope, direction};
@@ -123,12 +124,15 @@ fn a_ditch_is_filled_as_far_as_the_cutter_needs() {
     let cutter = Cutter::ball(1.0);
     let grid = PlateGrid::of(&relief, Some(cutter));
     let tool = usual_tool(&grid, cutter);
-    let mut z = grid.embedded(&relief);
+    let z = grid.embedded(&relief);
     let before = milled(&grid, &z, &tool, &Progress::silent()).unwrap().most_left();
     // R s²/2 of a valley between slopes of ±s.
     assert!((before / (0.25 * 0.04) - 1.0).abs() < 0.05, "{before}");
-    assert!(fill(&grid, &mut z, &tool, 1e-3, &Progress::silent()).unwrap());
-    relief = grid.plate(&z);
+    let mut lattice = lattice_relief(&grid, &z);
+    assert!(
+        !Filling::new(tool.clone(), filled(&grid), 1e-3).fill(&mut lattice, &Progress::silent()).unwrap().is_empty()
+    );
+    relief = grid.plate(&lattice.heights);
     let after = milled(&grid, &grid.embedded(&relief), &tool, &Progress::silent()).unwrap();
     assert!(after.most_left() <= 1e-3 && after.relief().node(0, 0).truncate() == DVec2::ZERO);
     assert_eq!(relief.node(0, 3).z, f64::from(relief.heights[3 * 41]));

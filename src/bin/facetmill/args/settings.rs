@@ -50,7 +50,17 @@ pub struct ByPlan;
 
 impl Takes for ByPlan {
     fn takes(setting: &Setting) -> bool {
-        let more = ["size", "cells", "thickness", "border", "border-finish", "for-cutter", "polish", "max-triangles"];
+        let more = [
+            "size",
+            "cells",
+            "thickness",
+            "border",
+            "border-finish",
+            "for-cutter",
+            "polish",
+            "max-triangles",
+            "max-depth",
+        ];
         let making = ["pass-angle", "pass-order", "draws", "rays", "seed"];
         setting.section == Section::Optics || more.contains(&setting.name) || making.contains(&setting.name)
     }
