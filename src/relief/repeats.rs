@@ -18,7 +18,7 @@ const EVEN: f64 = 1e-3;
 
 /// By how much slopes may differ, on average over all squares, where squares are cut along their lower diagonal, as the valleys
 /// of a thinned sheet are that run along diagonals (see [`Thinned`](super::thinned::Thinned)). The sheet that is found has
-/// them cut the other way.
+/// them cut the other way. Of plates for a ball of 0.5 mm in 200,000 to 500,000 triangles they differ by 0.0003 to 0.0009.
 const MOST_TURNED: f64 = 0.005;
 
 /// The sheet whose `cells` the part of `grid` from corner `low` to corner `high` repeats; `None` if it does not.
