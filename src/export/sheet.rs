@@ -7,6 +7,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::NodeGrid;
 use crate::relief::rim::Rim;
+use crate::relief::thinned::Thinned;
 
 /// Least number of single-precision steps between nodes: rounded by half a step each, they stay in order and their
 /// distance changes by an eighth at worst.
@@ -33,31 +34,12 @@ pub fn sheet_solid(
 ) -> Result<Mesh, SheetError> {
     let rim = rim.into();
     let [nx, ny] = relief.plate_nodes();
-    let (low, high) = relief.height_range();
-    let base = low - rim.depth() - thickness;
-    if !((0..nx * ny).all(|k| relief.node(k % nx, k / nx).z.is_finite()) && low.is_finite() && high.is_finite()) {
-        return Err(SheetError::NotFinite);
-    }
-    if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
-        return Err(SheetError::Thickness(thickness));
-    }
-    let step = relief.step().min_element();
-    let size = relief.size();
-    let ulp = |v: f64| f64::from((v as f32).next_up() - v as f32);
-    let reach = high.abs().max(base.abs());
-    if ulp(size.max_element() + rim.width) * LEAST_STEPS > step || ulp(reach) > WORST_SLOPE * step {
-        return Err(SheetError::Fine { step });
-    }
-    let wanted = 2 * (nx - 1) as u64 * (ny - 1) as u64 + 16 * (nx + ny) as u64;
-    if wanted > u64::from(u32::MAX) {
-        return Err(SheetError::TooMany);
-    }
+    let whole = Whole::of(relief, thickness, rim)?;
     let mut mesh = Mesh::default();
-    mesh.triangles.reserve_exact(wanted as usize);
-    // Adding zero turns -0 into 0, which readers may or may not tell apart.
+    mesh.triangles.reserve_exact(whole.triangles as usize);
     for j in 0..ny {
         progress.check()?;
-        mesh.vertices.extend((0..nx).map(|i| relief.node(i, j).to_array().map(|v| v as f32 + 0.0)));
+        mesh.vertices.extend((0..nx).map(|i| vertex(relief, i, j)));
     }
     for j in 0..ny - 1 {
         progress.check()?;
@@ -66,28 +48,124 @@ pub fn sheet_solid(
             mesh.triangles.extend(if relief.rises(i, j) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
         }
     }
-    let mut loop_above = border(nx, ny);
-    if rim.width > 0.0 {
-        loop_above = lowered(&mut mesh, &loop_above, low as f32 + 0.0);
-        loop_above = match rim.fall > 0.0 {
-            false => widened(&mut mesh, &loop_above, rim.width, size),
-            true => sloped(&mut mesh, &loop_above, rim, [nx - 1, ny - 1]),
-        };
-    }
-    let loop_below = lowered(&mut mesh, &loop_above, base as f32 + 0.0);
-    let middle = (0.5 * size).extend(base).to_array().map(|v| v as f32 + 0.0);
-    fan(&mut mesh, &loop_below, middle);
-    Ok(mesh)
+    let around = border(&[nx, ny].map(|n| (0..n).collect()), |i, j| (j * nx + i) as u32);
+    whole.closed(mesh, around, [nx - 1, ny - 1])
 }
 
-/// The nodes around the plate, counter-clockwise seen from above.
-fn border(nx: usize, ny: usize) -> Vec<u32> {
-    let node = |i: usize, j: usize| (j * nx + i) as u32;
-    let south = (0..nx - 1).map(|i| node(i, 0));
-    let east = (0..ny - 1).map(|j| node(nx - 1, j));
-    let north = (1..nx).rev().map(|i| node(i, ny - 1));
-    let west = (1..ny).rev().map(|j| node(0, j));
-    south.chain(east).chain(north).chain(west).collect()
+/// The solid body under a thinned sheet, as [`sheet_solid`] closes one that is not.
+///
+/// # Errors
+/// As of [`sheet_solid`].
+pub fn thinned_solid(
+    thinned: &Thinned,
+    thickness: f64,
+    rim: impl Into<Rim>,
+    progress: &Progress,
+) -> Result<Mesh, SheetError> {
+    let rim = rim.into();
+    let relief = &thinned.relief;
+    let ([nx, ny], n) = (relief.plate_nodes(), relief.nodes);
+    let whole = Whole::of(relief, thickness, rim)?;
+    let mut mesh = Mesh::default();
+    // Numbers of the nodes that are corners.
+    let mut numbers = vec![u32::MAX; nx * ny];
+    for [column, row] in (0..relief.cells[0] * relief.cells[1]).map(|k| [k % relief.cells[0], k / relief.cells[0]]) {
+        progress.check()?;
+        mesh.triangles.extend(thinned.triangles.iter().map(|corners| {
+            corners.map(|[i, j]| {
+                let (i, j) = (column * n + i as usize, row * n + j as usize);
+                let number = &mut numbers[j * nx + i];
+                if *number == u32::MAX {
+                    *number = mesh.vertices.len() as u32;
+                    mesh.vertices.push(vertex(relief, i, j));
+                }
+                *number
+            })
+        }));
+    }
+    // The last corner of a cell is the first of the next.
+    let [along_x, along_y] = thinned.along_sides();
+    let over = |along: &[usize], cells: usize| {
+        let cell = |cell: usize| along[..along.len() - 1].iter().map(move |at| cell * n + at);
+        (0..cells).flat_map(cell).chain([cells * n]).collect::<Vec<usize>>()
+    };
+    let lines = [over(&along_x, relief.cells[0]), over(&along_y, relief.cells[1])];
+    let around = border(&lines, |i, j| numbers[j * nx + i]);
+    whole.closed(mesh, around, lines.map(|line| line.len() - 1))
+}
+
+/// Node (i, j) as it is written: adding zero turns -0 into 0, which readers may or may not tell apart.
+fn vertex(relief: &impl NodeGrid, i: usize, j: usize) -> [f32; 3] {
+    relief.node(i, j).to_array().map(|v| v as f32 + 0.0)
+}
+
+/// What a body must hold beside its upper side, and what it may not exceed.
+struct Whole {
+    rim: Rim,
+    low: f64,
+    base: f64,
+    size: DVec2,
+    /// With two for each square.
+    triangles: u64,
+}
+
+impl Whole {
+    fn of(relief: &impl NodeGrid, thickness: f64, rim: Rim) -> Result<Self, SheetError> {
+        let [nx, ny] = relief.plate_nodes();
+        let (low, high) = relief.height_range();
+        let base = low - rim.depth() - thickness;
+        if !((0..nx * ny).all(|k| relief.node(k % nx, k / nx).z.is_finite()) && low.is_finite() && high.is_finite()) {
+            return Err(SheetError::NotFinite);
+        }
+        if !(thickness > 1e-6 * relief.size().max_element() && (low as f32) > (base as f32)) {
+            return Err(SheetError::Thickness(thickness));
+        }
+        let step = relief.step().min_element();
+        let size = relief.size();
+        let ulp = |v: f64| f64::from((v as f32).next_up() - v as f32);
+        let reach = high.abs().max(base.abs());
+        if ulp(size.max_element() + rim.width) * LEAST_STEPS > step || ulp(reach) > WORST_SLOPE * step {
+            return Err(SheetError::Fine { step });
+        }
+        let triangles = 2 * (nx - 1) as u64 * (ny - 1) as u64 + 16 * (nx + ny) as u64;
+        if triangles > u64::from(u32::MAX) {
+            return Err(SheetError::TooMany);
+        }
+        Ok(Self { rim, low, base, size, triangles })
+    }
+
+    /// `mesh` with rim, sides and base, whose loop `around` starts at the lower left corner and has `sides` edges along x and
+    /// along y.
+    fn closed(self, mut mesh: Mesh, mut around: Vec<u32>, sides: [usize; 2]) -> Result<Mesh, SheetError> {
+        let Self { rim, low, base, size, .. } = self;
+        if rim.width > 0.0 {
+            around = lowered(&mut mesh, &around, low as f32 + 0.0);
+            around = match rim.fall > 0.0 {
+                false => widened(&mut mesh, &around, rim.width, size),
+                true => sloped(&mut mesh, &around, rim, sides),
+            };
+        }
+        let below = lowered(&mut mesh, &around, base as f32 + 0.0);
+        let middle = (0.5 * size).extend(base).to_array().map(|v| v as f32 + 0.0);
+        fan(&mut mesh, &below, middle);
+        Ok(mesh)
+    }
+}
+
+/// The nodes around the plate, counter-clockwise seen from above, of those that stand on `lines` along x and along y; node
+/// (i, j) has number `number(i, j)`.
+fn border(lines: &[Vec<usize>; 2], number: impl Fn(usize, usize) -> u32) -> Vec<u32> {
+    let [along_x, along_y] = lines;
+    let [(Some(&east), to_east), (Some(&north), to_north)] =
+        [along_x, along_y].map(|line| (line.last(), &line[..line.len().saturating_sub(1)]))
+    else {
+        return Vec::new();
+    };
+    let south_side = to_east.iter().map(|&i| number(i, 0));
+    let east_side = to_north.iter().map(|&j| number(east, j));
+    let north_side = along_x[1..].iter().rev().map(|&i| number(i, north));
+    let west_side = along_y[1..].iter().rev().map(|&j| number(0, j));
+    south_side.chain(east_side).chain(north_side).chain(west_side).collect()
 }
 
 /// A vertical wall below a counter-clockwise loop, down to height `z`; the loop at its foot. Nodes that stand there

@@ -7,8 +7,9 @@ pub use error::DesignError;
 use super::clock::Clock;
 use super::near::NearDesign;
 use super::sentences::{WORTH_TELLING, stray_sentence};
+use super::thinning::{Thinning, thinning};
 use crate::distribution::SlopeDistribution;
-use crate::export::sheet::sheet_solid;
+use crate::export::sheet::{sheet_solid, thinned_solid};
 use crate::export::solid::solid;
 use crate::facets::SlopeGrid;
 use crate::facets::arrange::{anneal::anneal_best, per_cell::arrange_per_cell, random_order, transport};
@@ -50,6 +51,8 @@ pub struct Design {
     pub sheet: Option<Sheet>,
     /// Light that its cutter cannot keep from straying, if it is for one.
     pub least_stray: Option<Unavoidable>,
+    /// Its fewer triangles, if it is a sheet that was thinned.
+    pub thinning: Option<Thinning>,
     /// How it follows lamp and wall, if they are near.
     pub near: Option<NearDesign>,
     /// The relief with its rim; of a continuous one, a plane for each square of its grid.
@@ -105,11 +108,11 @@ pub(crate) fn design_with_checkpoints(
         SurfaceKind::Facets => faceted(recipe, &distribution, &mut clock, progress)?,
         SurfaceKind::Sheet => {
             let on_step = &mut |at: &Checkpoint| on_step(&distribution, at);
-            continuous(recipe, &distribution, Stepwise { from, on_step }, &mut clock, progress)?
+            continuous(recipe, &distribution, Stepwise { light, from, on_step }, &mut clock, progress)?
         }
     };
     progress.check()?;
-    let Shaped { facets, sheet, least_stray, near, relief, mesh, ended_early } = made;
+    let Shaped { facets, sheet, least_stray, thinning, near, relief, mesh, ended_early } = made;
     let seconds = clock.into_laps();
     Ok(Design {
         below_plate: highlight.below_plate,
@@ -118,6 +121,7 @@ pub(crate) fn design_with_checkpoints(
         facets,
         sheet,
         least_stray,
+        thinning,
         near,
         relief,
         mesh,
@@ -162,14 +166,16 @@ struct Shaped {
     facets: Option<Facets>,
     sheet: Option<Sheet>,
     least_stray: Option<Unavoidable>,
+    thinning: Option<Thinning>,
     near: Option<NearDesign>,
     relief: FacetedRelief,
     mesh: Mesh,
     ended_early: bool,
 }
 
-/// Where a sheet goes on from, and who hears of its steps.
+/// What a sheet is judged by, where it goes on from, and who hears of its steps.
 struct Stepwise<'a> {
+    light: &'a Raster,
     from: Option<Checkpoint>,
     on_step: &'a mut dyn FnMut(&Checkpoint),
 }
@@ -187,7 +193,7 @@ fn continuous(
         Some(share) => progress.stage_with(Stage::Sculpting, &stray_sentence(share)),
         None => progress.stage(Stage::Sculpting),
     }
-    let sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
+    let mut sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
     let ended_early = sheet.stopped_early().is_some();
     clock.lap(Stage::Sculpting);
     shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
@@ -202,14 +208,19 @@ fn continuous(
     let ended_early = ended_early || near.is_some() && progress.is_to_finish();
     progress.stage(Stage::Solid);
     let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
-    let (mesh, relief) = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
-        Some(near) => (sheet_solid(&near.relief, thickness, rim, progress)?, near.relief.faceted()),
-        None => (sheet_solid(&sheet.relief, thickness, rim, progress)?, sheet.relief.faceted()),
+    let thinning = thinning(recipe, &sheet.relief, (stepwise.light, &distribution.setup), progress)?;
+    if let Some(thinning) = &thinning {
+        sheet.relief = thinning.thinned.relief.clone();
+    }
+    let (mesh, relief) = match (near.as_ref().and_then(|near| near.sheet.as_ref()), &thinning) {
+        (Some(near), _) => (sheet_solid(&near.relief, thickness, rim, progress)?, near.relief.faceted()),
+        (_, Some(thinning)) => (thinned_solid(&thinning.thinned, thickness, rim, progress)?, sheet.relief.faceted()),
+        _ => (sheet_solid(&sheet.relief, thickness, rim, progress)?, sheet.relief.faceted()),
     };
     progress.check()?;
     let relief = relief.with_rim(rim);
     clock.lap(Stage::Solid);
-    Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, near, relief, mesh, ended_early })
+    Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, thinning, near, relief, mesh, ended_early })
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
@@ -263,7 +274,7 @@ fn faceted(
     let mesh = solid(&relief, recipe.plate.thickness, progress)?;
     clock.lap(Stage::Solid);
     let facets = Some(Facets { grid, steps });
-    Ok(Shaped { facets, sheet: None, least_stray: None, near, relief, mesh, ended_early })
+    Ok(Shaped { facets, sheet: None, least_stray: None, thinning: None, near, relief, mesh, ended_early })
 }
 
 fn arranged(recipe: &Recipe, slopes: Vec<Slope>, progress: &Progress) -> SlopeGrid {

@@ -1,4 +1,5 @@
-//! What a smaller file of a finished sheet would cost in light: its triangles on a coarser grid, not a second design.
+//! What a smaller file of a sheet that is written whole would cost in light: its triangles on a coarser grid, not a second
+//! design.
 
 use super::design::Design;
 use crate::export::stl::stl_bytes;
@@ -28,9 +29,11 @@ pub struct Lighter {
     pub misplaced: [f64; 2],
 }
 
-/// What `design` would be in about a quarter of its triangles, if its file is heavy; `target` is what was wanted.
+/// What `design` would be in about a quarter of its triangles, if its file is heavy, and neither thinned nor to be whole; `target` is what was wanted.
 pub fn lighter(recipe: &Recipe, design: &Design, target: &Raster) -> Option<Lighter> {
-    let sheet = design.sheet.as_ref().filter(|_| design.mesh.triangles.len() >= HEAVY)?;
+    let asked = recipe.plate.fine || design.thinning.is_some();
+    let heavy = design.mesh.triangles.len() >= HEAVY && !asked;
+    let sheet = design.sheet.as_ref().filter(|_| heavy)?;
     let cell = PeriodicRelief { cells: [1, 1], ..sheet.relief.clone() };
     let most = SHARE * design.mesh.triangles.len() as f64;
     let grid = suitable_grid(cell.cell, None, |grid| recipe.triangles(grid) <= most);

@@ -14,6 +14,10 @@ pub mod speed;
 pub mod near;
 mod sentences;
 
+mod cut_sheet;
+
+pub mod thinning;
+
 pub mod design;
 
 mod scene_facts;

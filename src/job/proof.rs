@@ -1,5 +1,6 @@
 //! The proof of a plate: light sent over its exact relief, and over what its cutter leaves.
 
+use super::cut_sheet::CutSheet;
 use super::design::{Design, DesignError};
 use super::findings::{MilledProof, Proof, RimProof, SheetProof};
 use super::on_wall::prove_in_room;
@@ -15,7 +16,6 @@ use crate::relief::recognise::Recognised;
 use crate::relief::repeats::{repeated, within_rim};
 use crate::sculpt::detail::{diffracted, smallest_detail};
 use crate::sculpt::milled_facets::milled_facets;
-use crate::sculpt::tool::{Tool, polished};
 use crate::setup::Setup;
 use crate::trace::Surface;
 use crate::trace::grid::GridSurface;
@@ -90,27 +90,7 @@ impl Task for PlateAndRim<'_> {
     }
 }
 
-/// A sheet as it is made.
-struct CutSheet {
-    /// One cell, after cutter and polish; as written, if it was not designed for them.
-    relief: PeriodicRelief,
-    /// The most that the cutter stays above the written surface, mm.
-    left: f64,
-}
-
 impl CutSheet {
-    fn of(recipe: &Recipe, relief: &PeriodicRelief, progress: &Progress) -> Result<Self, Cancelled> {
-        let (cut, left) = match recipe.design.sheet.cutter {
-            None => (PeriodicRelief { cells: [1, 1], ..relief.clone() }, 0.0),
-            Some(cutter) => {
-                let milled = Tool::new(relief.cell, cutter).mill(relief, progress)?;
-                let left = milled.most_left();
-                (milled.relief, left)
-            }
-        };
-        Ok(Self { relief: polished(cut, recipe.design.sheet.polish), left })
-    }
-
     fn looked_at(
         &self,
         recipe: &Recipe,

@@ -10,12 +10,14 @@ use super::lighter::{Lighter, lighter};
 use super::near::NearDesign;
 use super::product::Product;
 use super::sentences::in_a_sentence;
+use super::thinning::Thinning;
 use crate::distribution::SlopeDistribution;
 use crate::export::stl::stl_bytes;
 use crate::picture::Picture;
 use crate::projection::View;
 use crate::recipe::Recipe;
 use crate::report::design::*;
+use crate::report::thinned::ThinnedFacts;
 use crate::report::{Named, PROGRAM, PictureFacts};
 use crate::sculpt::detail::Detail;
 use crate::sculpt::stages::Sheet;
@@ -197,7 +199,19 @@ fn stl(Product { recipe, design, proof, .. }: &Product, (low, high): (f64, f64))
         z_base_mm: lowest - recipe.plate.thickness,
         z_low_mm: low,
         z_high_mm: high,
+        thinned: design.thinning.as_ref().map(thinned_facts),
         lighter: proof.as_ref().and_then(|proof| lighter(recipe, design, &proof.target)).map(lighter_facts),
+    }
+}
+
+fn thinned_facts(thinning: &Thinning) -> ThinnedFacts {
+    let Thinning { full, misplaced: [of_this, of_whole], within_limits, .. } = *thinning;
+    ThinnedFacts {
+        whole_triangles: full,
+        whole_bytes: stl_bytes(full),
+        tv_incident_1deg_of_whole: of_whole,
+        tv_incident_1deg_of_this: of_this,
+        within_limits,
     }
 }
 

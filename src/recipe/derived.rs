@@ -1,5 +1,6 @@
 //! What follows from a recipe: what was not given, and what each stage asks for.
 
+use super::file_size::FileSize;
 use super::{
     Arrangement, BorderFinish, DesignSettings, Heights, HighlightSettings, LightSettings, PlateSettings, Recipe, Seen,
     SurfaceKind,
@@ -18,6 +19,9 @@ use crate::verify::experiment::Measuring;
 /// How far a rim throws its light past the picture, degrees, lamp and metal's lobe aside: twice the blur at which pictures
 /// are compared, so that nothing of it shows at their rim.
 const PAST_IMAGE: f64 = 2.0;
+
+/// Triangles of a sheet's upper side where nothing was asked: an STL of 150 MB, if it is not thinned.
+const USUAL: f64 = 3e6;
 
 impl Recipe {
     /// Facets along x and y: as asked, or 30 each way.
@@ -48,13 +52,32 @@ impl Recipe {
         2.0 * columns * rows + around * if self.plate.border > 0.0 { 7.0 } else { 3.0 }
     }
 
-    /// Whether a sheet of `grid` nodes a side of a cell has no more triangles than it may. Where nothing was asked, only those of
-    /// its upper surface count.
+    /// Those of its upper side.
+    pub(crate) fn surface_triangles(&self, grid: usize) -> f64 {
+        2.0 * self.cells().map(|cells| (cells * grid) as f64).iter().product::<f64>()
+    }
+
+    /// Whether a sheet of `grid` nodes a side of a cell has no more triangles than it may, before it is thinned. Where nothing
+    /// was asked, only those of its upper surface count.
     pub(crate) fn fits_the_file(&self, grid: usize) -> bool {
-        /// An STL of 150 MB.
-        const USUAL: f64 = 3e6;
-        let surface = 2.0 * self.cells().map(|cells| (cells * grid) as f64).iter().product::<f64>();
-        self.plate.max_triangles.map_or(surface <= USUAL, |most| self.triangles(grid) <= most as f64)
+        match (self.file_size(), self.plate.max_triangles) {
+            (FileSize::AtMost(most), _) => self.fits_before_thinning(grid, most),
+            (_, Some(most)) => self.triangles(grid) <= most as f64,
+            (_, None) => self.surface_triangles(grid) <= USUAL,
+        }
+    }
+
+    fn fits_before_thinning(&self, grid: usize, most: usize) -> bool {
+        self.triangles(grid) <= USUAL.max(most as f64)
+    }
+
+    /// Nodes along a side of a cell, where a file of `most` triangles is thinned from them.
+    pub(super) fn usual_grid(&self, most: usize) -> usize {
+        suitable_grid(self.cell(), self.design.sheet.cutter, |grid| self.fits_before_thinning(grid, most))
+    }
+
+    fn cell(&self) -> glam::DVec2 {
+        glam::DVec2::from(self.plate.size) / glam::DVec2::from(self.cells().map(|n| n as f64))
     }
 
     /// How heights are found: as asked, or cyclic where the arrangement is cyclic.
@@ -86,9 +109,8 @@ impl Recipe {
 
     /// What a sheet of this recipe shall be.
     pub fn sculpting(&self) -> SheetSpec {
-        let PlateSettings { size, grid, .. } = self.plate;
-        let cells = self.cells();
-        let cell = glam::DVec2::from(size) / glam::DVec2::from(cells.map(|n| n as f64));
+        let PlateSettings { grid, .. } = self.plate;
+        let (cells, cell) = (self.cells(), self.cell());
         let DesignSettings { sheet: settings, seed, .. } = self.design;
         if settings.preview {
             return SheetSpec { cell, cells, grid: grid.unwrap_or(PREVIEW_NODES), seed, settings };

@@ -16,6 +16,8 @@ mod machining;
 
 mod files;
 
+pub mod file_size;
+
 mod derived;
 
 pub mod settings;

@@ -101,9 +101,12 @@ pub struct PlateSettings {
     /// Nodes along each side of a cell of a sheet; without it, as suits picture, cutter and file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<usize>,
-    /// Triangles of a sheet's file at the most; without it 3 million on its upper surface.
+    /// Triangles of a sheet's file at the most; without it as many as its light needs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_triangles: Option<usize>,
+    /// A sheet's file has all triangles of its grid, however large it is.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub fine: bool,
 }
 
 impl Default for PlateSettings {
@@ -119,6 +122,7 @@ impl Default for PlateSettings {
             surface: None,
             grid: None,
             max_triangles: None,
+            fine: false,
         }
     }
 }

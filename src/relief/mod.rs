@@ -8,9 +8,13 @@ pub mod height_grid;
 
 pub mod periodic;
 
+pub mod thinned;
+
 pub mod open;
 
 pub mod mesh;
+
+mod bisected;
 
 pub mod recognise;
 

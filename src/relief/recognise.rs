@@ -5,6 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::bisected::bisected;
 use super::faceted::{Facet, FacetedRelief};
 use super::height_grid::HeightGrid;
 use super::mesh::Mesh;
@@ -30,7 +31,8 @@ const FLATNESS: f64 = 5e-5;
 /// The steepest facet has 0.4 (65°), walls that single precision has tilted less than a tenth of this.
 const UPRIGHT: f64 = 1e-3;
 
-/// The relief on a grid that the upper side of `mesh` is, if it is one; steps of rounding height are closed.
+/// The relief on a grid that the upper side of `mesh` is, if it is one; steps of rounding height are closed. A thinned sheet is
+/// the grid whose squares its triangles cover.
 ///
 /// The optical area is all of it. Time grows as that of sorting the triangles.
 pub fn recognise(mesh: &Mesh, progress: &Progress) -> Result<Option<Recognised>, Cancelled> {
@@ -51,8 +53,19 @@ pub fn recognise(mesh: &Mesh, progress: &Progress) -> Result<Option<Recognised>,
     if volume < 0.0 {
         return Ok(None);
     }
-    let Some(x) = free_lines(mesh, &up, 0, progress)? else { return Ok(None) };
-    let Some(y) = free_lines(mesh, &up, 1, progress)? else { return Ok(None) };
+    let heights = || bisected(mesh, &up, rounding(mesh), progress);
+    let whole = |grid: &HeightGrid| grid.area() == (low.truncate(), high.truncate());
+    match on_free_lines(mesh, &up, progress)? {
+        None => Ok(heights()?.filter(whole).map(Recognised::Heights)),
+        found => Ok(found),
+    }
+}
+
+/// The relief on the grid of all lines that no triangle reaches across.
+fn on_free_lines(mesh: &Mesh, up: &[usize], progress: &Progress) -> Result<Option<Recognised>, Cancelled> {
+    let (low, high) = mesh.bounds();
+    let Some(x) = free_lines(mesh, up, 0, progress)? else { return Ok(None) };
+    let Some(y) = free_lines(mesh, up, 1, progress)? else { return Ok(None) };
     let ends = |lines: &[f64], axis: usize| lines[0] == low[axis] && lines[lines.len() - 1] == high[axis];
     let cells = (x.len() - 1).checked_mul(y.len() - 1);
     if cells.is_none_or(|cells| cells > up.len()) || !ends(&x, 0) || !ends(&y, 1) {
@@ -78,7 +91,7 @@ pub fn recognise(mesh: &Mesh, progress: &Progress) -> Result<Option<Recognised>,
 /// The triangles of a mesh that face up, and the grid that they may stand on.
 struct UpperSide<'a> {
     mesh: &'a Mesh,
-    up: Vec<usize>,
+    up: &'a [usize],
     /// The rectangle of each of them.
     homes: Vec<u32>,
     x: Vec<f64>,

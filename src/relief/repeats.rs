@@ -16,6 +16,11 @@ const SAME: f64 = 1e-5;
 /// Lines of the grid may be off their even places by this share of their distance.
 const EVEN: f64 = 1e-3;
 
+/// By how much slopes may differ, on average over all squares, where squares are cut along their lower diagonal, as the valleys
+/// of a thinned sheet are that run along diagonals (see [`Thinned`](super::thinned::Thinned)). The sheet that is found has
+/// them cut the other way. Of plates for a ball of 0.5 mm in 200,000 to 500,000 triangles they differ by 0.0003 to 0.0009.
+const MOST_TURNED: f64 = 0.005;
+
 /// The sheet whose `cells` the part of `grid` from corner `low` to corner `high` repeats; `None` if it does not.
 pub fn repeated(grid: &HeightGrid, low: DVec2, high: DVec2, cells: [usize; 2]) -> Option<PeriodicRelief> {
     let (x, y) = (evenly(&grid.x, low.x, high.x)?, evenly(&grid.y, low.y, high.y)?);
@@ -45,14 +50,15 @@ pub fn repeated(grid: &HeightGrid, low: DVec2, high: DVec2, cells: [usize; 2]) -
     let relief =
         PeriodicRelief { nodes, heights, cell: size / DVec2::new(cells[0] as f64, cells[1] as f64), cells, tilt };
     // A square whose diagonals are about as high may be cut either way.
-    let as_cut = |k: &usize| {
+    let turned = |k: usize| {
         let (i, j) = (k % x.count, k / x.count);
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| z(i + a, j + b));
         let fold = corners[0] + corners[3] - corners[1] - corners[2];
         let rising = grid.rising[(y.first + j) * (grid.x.len() - 1) + x.first + i];
-        fold.abs() <= 4.0 * tolerance || rising == rises(corners)
+        if fold.abs() <= 4.0 * tolerance || rising == rises(corners) { 0.0 } else { fold.abs() / step.min_element() }
     };
-    (0..x.count * y.count).all(|k| as_cut(&k)).then_some(relief)
+    let squares = x.count * y.count;
+    ((0..squares).map(turned).sum::<f64>() <= MOST_TURNED * squares as f64).then_some(relief)
 }
 
 /// The part of `grid` from corner `low` to corner `high` as a sheet of which nothing is repeated; `None` if its lines are

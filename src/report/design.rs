@@ -7,6 +7,7 @@ use super::goal::GoalFacts;
 use super::made::MadeFacts;
 use super::on_wall::OnWallFacts;
 use super::scores::Scores;
+use super::thinned::ThinnedFacts;
 pub use super::windows::{DiffractionFacts, MisplacedFacts, WindowFacts};
 use super::{Named, PictureFacts};
 use crate::brdf::material::Material;
@@ -307,6 +308,9 @@ pub struct StlFacts {
     pub z_low_mm: f64,
     /// Highest point of the relief, mm.
     pub z_high_mm: f64,
+    /// If it has fewer triangles than the sheet's grid, what the whole sheet would be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thinned: Option<ThinnedFacts>,
     /// If the file is heavy and light was sent, what the same relief would be in a smaller one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lighter: Option<LighterFacts>,

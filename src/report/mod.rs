@@ -16,6 +16,8 @@ pub mod fit;
 
 pub mod on_wall;
 
+pub mod thinned;
+
 pub mod design;
 
 pub mod estimate;

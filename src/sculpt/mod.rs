@@ -41,6 +41,8 @@
 //!
 //! For a lamp and a wall nearby, [`room`] goes on from there over the whole plate.
 //!
+//! [`bisection`] covers a finished sheet with fewer triangles.
+//!
 //! [`checkpoint`] holds the state between two steps. [`bound`] says what no relief can do better, [`detail`] on how small
 //! mirrors the light depends, [`milled_facets`] what a cutter leaves of a plate of facets.
 
@@ -67,6 +69,8 @@ pub mod closing;
 mod places;
 
 pub mod resample;
+
+pub mod bisection;
 
 mod rises;
 

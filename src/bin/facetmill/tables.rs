@@ -11,6 +11,7 @@ use facetmill::report::estimate::{EstimateReport, Parts};
 use facetmill::report::goal::GoalFacts;
 use facetmill::report::made::{MachiningFacts, MadeFacts};
 use facetmill::report::scores::Scores;
+use facetmill::report::thinned::ThinnedFacts;
 use facetmill::report::verify::VerifyReport;
 use facetmill::report::{MeshFacts, Named};
 use facetmill::sharpen::SCORED_AT;
@@ -59,6 +60,18 @@ fn made_in_short(made: &MadeFacts) -> Row {
 fn file(folder: &Path, report: &DesignReport) -> String {
     let (triangles, megabytes) = (report.stl.triangles, report.stl.bytes as f64 / 1e6);
     let file = format!("{}, {triangles} triangles, {megabytes:.1} MB", shown(&folder.join("plate.stl")));
+    if let Some(ThinnedFacts {
+        whole_bytes, tv_incident_1deg_of_whole: whole, tv_incident_1deg_of_this: this, ..
+    }) = report.stl.thinned
+    {
+        let (whole, this) = (percent(whole), percent(this));
+        let (most, way) = match report.recipe.plate.max_triangles {
+            Some(_) => ("as many triangles as asked", "without --max-triangles and with --fine"),
+            None => ("as few triangles as keep its light", "with --fine"),
+        };
+        let full = whole_bytes as f64 / 1e6;
+        return format!("{file}, {most}: {this} misplaced in place of {whole} {way} in {full:.0} MB");
+    }
     let Some(lighter) = &report.stl.lighter else { return file };
     let flag = match report.recipe.plate.grid {
         Some(_) => format!("--grid {}", lighter.grid),

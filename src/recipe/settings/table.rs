@@ -270,8 +270,8 @@ pub(super) const GENERAL: &[Setting] = &[
         key: "plate.max-triangles",
         ranges: &[[1000.0, 2e8]],
         only: Some(SurfaceKind::Sheet),
-        unset: "3000000",
-        help: "Triangles of a sheet's file at the most; without --grid it is chosen so",
+        unset: "500000, or as many as the light needs",
+        help: "Triangles of a sheet's file at the most, the fewer where it is smooth",
         remedy: "raise --max-triangles",
         at: |recipe| &mut recipe.plate.max_triangles,
         ..COUNT
