@@ -29,7 +29,8 @@ pub struct Lighter {
     pub misplaced: [f64; 2],
 }
 
-/// What `design` would be in about a quarter of its triangles, if its file is heavy, and neither thinned nor to be whole; `target` is what was wanted.
+/// What `design` would be in about a quarter of its triangles, if its file is heavy, and neither thinned nor to be whole;
+/// `target` is what was wanted.
 pub fn lighter(recipe: &Recipe, design: &Design, target: &Raster) -> Option<Lighter> {
     let asked = recipe.plate.fine || design.thinning.is_some();
     let heavy = design.mesh.triangles.len() >= HEAVY && !asked;

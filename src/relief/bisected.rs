@@ -10,6 +10,9 @@ const MOST_SQUARES: usize = 1 << 13;
 /// Most squares of all: 200 MB.
 const MOST: usize = 1 << 24;
 
+/// Most grid lines along a side: what would be more is no sheet, and its lines alone would take memory.
+const MOST_LINES: f64 = 65_536.0;
+
 /// How far a grid line may lie off its even place, as a share of their distance.
 const EVEN: f64 = 1e-2;
 
@@ -74,7 +77,7 @@ fn lines(mesh: &Mesh, up: &[usize], axis: usize) -> Option<Vec<f64>> {
     let (first, last) = (f64::from(*at.first()?), f64::from(*at.last()?));
     let nearest = at.windows(2).map(|pair| f64::from(pair[1]) - f64::from(pair[0])).fold(f64::INFINITY, f64::min);
     let count = ((last - first) / nearest).round();
-    if !(count >= 2.0 && count <= MOST as f64) {
+    if !(2.0..=MOST_LINES).contains(&count) {
         return None;
     }
     let step = (last - first) / count;
