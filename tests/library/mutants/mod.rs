@@ -18,10 +18,16 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
+use facetmill::export::sheet::thinned_solid;
 use facetmill::export::stl::write_stl;
+use facetmill::progress::Progress;
 use facetmill::relief::mesh::Mesh;
+use facetmill::relief::periodic::PeriodicRelief;
+use facetmill::sculpt::bisection::Bisection;
 use facetmill::sculpt::checkpoint::{Checkpoint, Origin, write_state};
 use facetmill::sculpt::start::Start;
+use facetmill::slope::Slope;
+use glam::DVec2;
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -117,6 +123,7 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
             let mut bytes = Vec::new();
             write_stl(&mesh, &mut bytes).unwrap();
             all.push(bytes);
+            all.push(thinned_sheet());
             all.extend(meshes());
         }
         "state" => all.extend(states()),
@@ -124,6 +131,19 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
     }
     assert!(!all.is_empty(), "{name}");
     all
+}
+
+/// The file of a sheet in fewer triangles than its grid has.
+fn thinned_sheet() -> Vec<u8> {
+    let heights = (0..16 * 16).map(|k| 0.05 * ((k % 16) as f32 - 7.3).abs() + 0.002 * (k / 16) as f32).collect();
+    let relief =
+        PeriodicRelief { nodes: 16, heights, cell: DVec2::new(1.0, 1.5), cells: [1, 2], tilt: Slope::new(0.0, 0.1) };
+    let mut cover = Bisection::new(&relief).unwrap();
+    cover.refine(100, &Progress::silent()).unwrap();
+    let mesh = thinned_solid(&cover.thinned(), 1.0, 0.0, &Progress::silent()).unwrap();
+    let mut bytes = Vec::new();
+    write_stl(&mesh, &mut bytes).unwrap();
+    bytes
 }
 
 /// States of two small designs.

@@ -8,7 +8,9 @@ use facetmill::export::mesh_files::{MeshFileError, ReadMesh, read_mesh};
 use facetmill::export::stl::StlError;
 use facetmill::job::memory;
 use facetmill::picture::{Picture, PictureError, PictureFit, Reading, from_bytes};
+use facetmill::progress::Progress;
 use facetmill::recipe::Recipe;
+use facetmill::relief::recognise::recognise;
 use facetmill::report::design::Mount;
 use facetmill::sculpt::checkpoint::{StateError, read_state, write_state};
 
@@ -64,6 +66,8 @@ pub fn mesh(bytes: &[u8]) -> Fate {
             assert!(mesh.vertices.len() <= 3 * mesh.triangles.len());
             assert!(mesh.vertices.as_flattened().iter().all(|x| x.is_finite()));
             assert!(mesh.triangles.as_flattened().iter().all(|v| (*v as usize) < mesh.vertices.len()));
+            // Whether it is a plate on a grid is found out of any mesh.
+            recognise(&mesh, &Progress::silent()).unwrap();
             Fate::Read
         }
         Err(MeshFileError::Stl(StlError::Parser)) => Fate::Fenced,
