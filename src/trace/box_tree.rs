@@ -139,6 +139,8 @@ fn in_pieces(boxes: &[Aabb], which: Vec<u32>) -> Bvh2 {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use cpu_time::ThreadTime;
     use glam::Vec3A;
 
@@ -198,16 +200,13 @@ mod tests {
     #[test]
     fn crowds_take_no_longer_than_twice_a_clean_mesh_of_their_size() {
         let n = 80_000;
-        let time = |triangles: &[[[f32; 3]; 3]]| {
-            let boxes = boxed(triangles);
-            let once = || {
-                let from = ThreadTime::now();
-                plant(&boxes, triangles);
-                from.elapsed()
-            };
-            (0..3).map(|_| once()).min().unwrap()
+        let time = |(triangles, boxes): &(Vec<[[f32; 3]; 3]>, Vec<Aabb>)| {
+            let from = ThreadTime::now();
+            plant(boxes, triangles);
+            from.elapsed()
         };
-        let clean = time(&sheet(200));
+        let with_boxes = |triangles: Vec<[[f32; 3]; 3]>| (triangles.clone(), boxed(&triangles));
+        let clean = with_boxes(sheet(200));
         let copies = vec![[[0.1, 0.2, 0.3], [0.5, 0.2, 0.3], [0.1, 0.7, 0.4]]; n];
         // Bunches of equal middles and different sizes.
         let around = |k: usize| {
@@ -215,8 +214,14 @@ mod tests {
         };
         let concentric: Vec<_> = (1..=n).map(around).collect();
         for (what, crowd) in [("copies", copies), ("nested", nested(n)), ("concentric", concentric)] {
-            let took = time(&crowd);
-            assert!(took < 2 * clean, "{what}: {took:?}, a clean mesh {clean:?}");
+            // In turn, and the least of each: a machine may be twice as slow for a while.
+            let crowd = with_boxes(crowd);
+            let mut least = [Duration::MAX; 2];
+            let holds = (0..12).any(|_| {
+                least = [least[0].min(time(&clean)), least[1].min(time(&crowd))];
+                least[1] < 2 * least[0]
+            });
+            assert!(holds, "{what}: {:?}, a clean mesh {:?}", least[1], least[0]);
         }
     }
 }
