@@ -320,7 +320,8 @@ mod tests {
             MachiningSettings { machine: Machine::preset("vmc"), stepover: Some(0.05), ..MachiningSettings::default() };
         let mut polished = milled.clone();
         polished.design.sheet.polish = Some(0.04);
-        // CPU seconds of release builds (the last two of optimised development builds), files and all, on a busy machine: proved, and beside facets, or not.
+        // CPU seconds of release builds (the last two of optimised development builds), files and all, on a busy machine:
+        // proved, and beside facets, or not.
         for (name, recipe, proved, measured) in [
             ("facets", Recipe::default().only_for(SurfaceKind::Facets), true, 2.4),
             ("facets without proof", Recipe::default().only_for(SurfaceKind::Facets), false, 1.1),

@@ -2,6 +2,7 @@
 
 use super::height_grid::HeightGrid;
 use super::mesh::Mesh;
+use super::thinned::{all_nodes, twice_area};
 use crate::progress::{Cancelled, Progress};
 
 /// Squares of the grid for each triangle, at the most: 64 times as many as the largest triangles of a thinned sheet cover.
@@ -115,9 +116,9 @@ impl Triangle {
             let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
             dx != 0 && dy != 0 && dx.abs() != dy.abs()
         };
-        let twice_area = cross(a, b, c);
-        let fits = twice_area > 0 && ![(a, b), (b, c), (c, a)].into_iter().any(|(from, to)| steep(from, to));
-        fits.then_some(Self { corners, heights, twice_area })
+        let twice = twice_area(a, b, c);
+        let fits = twice > 0 && ![(a, b), (b, c), (c, a)].into_iter().any(|(from, to)| steep(from, to));
+        fits.then_some(Self { corners, heights, twice_area: twice })
     }
 
     fn has_corner(&self, i: usize, j: usize) -> bool {
@@ -131,15 +132,10 @@ impl Triangle {
 
     /// Visits its nodes, sides included, with their heights until one says no; whether none did.
     fn nodes(&self, mut visit: impl FnMut(usize, usize, f64) -> bool) -> bool {
-        let [a, b, c] = self.corners;
-        let ((west, east), (south, north)) = (self.range(0), self.range(1));
         let whole = self.twice_area as f64;
-        (south..=north).all(|j| {
-            (west..=east).all(|i| {
-                let shares = [cross(b, c, [i, j]), cross(c, a, [i, j]), cross(a, b, [i, j])];
-                let z = shares.iter().zip(self.heights).map(|(share, z)| *share as f64 / whole * z).sum();
-                shares.iter().any(|share| *share < 0) || visit(i as usize, j as usize, z)
-            })
+        all_nodes(self.corners, |[i, j], shares| {
+            let z = shares.iter().zip(self.heights).map(|(share, z)| *share as f64 / whole * z).sum();
+            visit(i as usize, j as usize, z)
         })
     }
 
@@ -151,16 +147,11 @@ impl Triangle {
             (west..east).all(|i| {
                 let within = |[x, y]: [i64; 2]| {
                     let at = [3 * i + x, 3 * j + y];
-                    cross(a, b, at) > 0 && cross(b, c, at) > 0 && cross(c, a, at) > 0
+                    twice_area(a, b, at) > 0 && twice_area(b, c, at) > 0 && twice_area(c, a, at) > 0
                 };
                 let halves = (0..4).filter(|&k| within(MIDDLES[k])).map(|k| 1u8 << k).sum();
                 halves == 0 || visit(i as usize, j as usize, halves)
             })
         })
     }
-}
-
-/// Twice the area of a triangle, positive where it is counter-clockwise.
-fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 }

@@ -48,7 +48,24 @@ impl PeriodicRelief {
     /// a valley: ridges come out clean whichever way they run, and no cutter has to reach into a square. It is told from
     /// the cell's heights: the tilt raises both diagonals alike.
     pub fn rises(&self, i: usize, j: usize) -> bool {
-        height_grid::rises([(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.height(i + a, j + b)))
+        height_grid::rises(self.corners(i, j))
+    }
+
+    /// By how much, in mm, both triangles of square (i, j) of the plate rise along x and along y over one distance of nodes,
+    /// about the mean plane: the lower one first; and whether the square [`rises`](Self::rises).
+    pub fn triangle_rises(&self, i: usize, j: usize) -> ([[f64; 2]; 2], bool) {
+        let corners = self.corners(i, j);
+        let ([z00, z10, z01, z11], rises) = (corners, height_grid::rises(corners));
+        let triangles = match rises {
+            true => [[z10 - z00, z11 - z10], [z11 - z01, z01 - z00]],
+            false => [[z10 - z00, z01 - z00], [z11 - z01, z11 - z10]],
+        };
+        (triangles, rises)
+    }
+
+    /// Heights of the corners of square (i, j), as [`height_grid::rises`] takes them.
+    fn corners(&self, i: usize, j: usize) -> [f64; 4] {
+        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| self.height(i + a, j + b))
     }
 
     /// Height of node (i, j) of the plate about the mean plane, mm.
@@ -87,6 +104,13 @@ impl PeriodicRelief {
             .map(|k| self.node(k % nx, k / nx).z)
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, z| (r.0.min(z), r.1.max(z)))
     }
+}
+
+/// Heights of `nodes` × `nodes` nodes of a cell, drawn at x and y from 0 to 1 across it.
+#[cfg(test)]
+pub(crate) fn drawn(nodes: usize, height: impl Fn(f64, f64) -> f64) -> Vec<f32> {
+    let at = |k: usize| [k % nodes, k / nodes].map(|at| at as f64 / nodes as f64);
+    (0..nodes * nodes).map(at).map(|[x, y]| height(x, y) as f32).collect()
 }
 
 #[cfg(test)]

@@ -34,3 +34,24 @@ impl Thinned {
         })
     }
 }
+
+/// Visits the nodes of a triangle whose corners are nodes, counter-clockwise and its sides included, until one says no; whether
+/// none did. With each node come the corners' shares of it, as twice the area of the triangle opposite.
+pub(crate) fn all_nodes([a, b, c]: [[i64; 2]; 3], mut visit: impl FnMut([i64; 2], [i64; 3]) -> bool) -> bool {
+    let range = |axis: usize| {
+        let [p, q, r] = [a, b, c].map(|corner| corner[axis]);
+        p.min(q).min(r)..=p.max(q).max(r)
+    };
+    range(1).all(|y| {
+        range(0).all(|x| {
+            let at = [x, y];
+            let shares = [twice_area(b, c, at), twice_area(c, a, at), twice_area(a, b, at)];
+            shares.iter().any(|share| *share < 0) || visit(at, shares)
+        })
+    })
+}
+
+/// Twice the area of a triangle, positive where it is counter-clockwise.
+pub(crate) fn twice_area(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
+}

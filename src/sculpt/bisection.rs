@@ -14,7 +14,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use crate::progress::{Cancelled, Progress};
 use crate::relief::periodic::PeriodicRelief;
-use crate::relief::thinned::Thinned;
+use crate::relief::thinned::{Thinned, all_nodes};
 
 /// Side of the largest triangles, in squares of the grid.
 const LARGEST: usize = 16;
@@ -134,10 +134,13 @@ impl<'a> Bisection<'a> {
         let mut heights = self.relief.heights.clone();
         for corners in &whole {
             let [a, b, c] = corners.map(|corner| self.height(corner));
-            covered(corners, |at, [u, v]| {
+            all_nodes(corners.map(|corner| corner.map(i64::from)), |at, shares| {
+                let at = at.map(|at| at as i32);
+                let [_, u, v] = shares.map(|share| share as f64 / shares.iter().sum::<i64>() as f64);
                 if !corners.contains(&at) {
                     heights[index(at, n)] = (a + u * (b - a) + v * (c - a)) as f32;
                 }
+                true
             });
         }
         let relief = PeriodicRelief { heights, ..self.relief.clone() };
@@ -250,43 +253,14 @@ impl<'a> Bisection<'a> {
 
 /// Slopes of both triangles of a square, and whether it rises.
 fn square(relief: &PeriodicRelief, i: usize, j: usize) -> ([[f32; 2]; 2], bool) {
-    let n = relief.nodes;
-    let z = |x: usize, y: usize| f64::from(relief.heights[(j + y) % n * n + (i + x) % n]);
-    let [z00, z10, z01, z11] = [z(0, 0), z(1, 0), z(0, 1), z(1, 1)];
-    let step = relief.step();
-    let slope = |p: f64, q: f64| [(p / step.x) as f32, (q / step.y) as f32];
-    let rises = relief.rises(i, j);
-    match rises {
-        true => ([slope(z10 - z00, z11 - z10), slope(z11 - z01, z01 - z00)], rises),
-        false => ([slope(z10 - z00, z01 - z00), slope(z11 - z01, z11 - z10)], rises),
-    }
+    let (step, (triangles, rises)) = (relief.step(), relief.triangle_rises(i, j));
+    (triangles.map(|[p, q]| [(p / step.x) as f32, (q / step.y) as f32]), rises)
 }
 
 /// Where a node of the plate is in a cell.
 fn index(at: Corner, n: usize) -> usize {
     let [i, j] = at.map(|at| at.rem_euclid(n as i32) as usize);
     j * n + i
-}
-
-/// Visits all nodes of a triangle, its sides included: each with its shares of the second and of the third corner.
-fn covered([a, b, c]: &[Corner; 3], mut visit: impl FnMut(Corner, [f64; 2])) {
-    let range = |axis: usize| {
-        let [p, q, r] = [a, b, c].map(|corner| corner[axis]);
-        p.min(q).min(r)..=p.max(q).max(r)
-    };
-    let cross = |p: [i32; 2], q: [i32; 2]| p[0] * q[1] - q[0] * p[1];
-    let from_a = |to: &Corner| [to[0] - a[0], to[1] - a[1]];
-    let (ab, ac) = (from_a(b), from_a(c));
-    let whole = cross(ab, ac);
-    for y in range(1) {
-        for x in range(0) {
-            let at = from_a(&[x, y]);
-            let (u, v) = (cross(at, ac), cross(ab, at));
-            if u >= 0 && v >= 0 && u + v <= whole {
-                visit([x, y], [f64::from(u) / f64::from(whole), f64::from(v) / f64::from(whole)]);
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -298,6 +272,7 @@ mod tests {
     use super::*;
     use crate::export::sheet::{sheet_solid, thinned_solid};
     use crate::relief::mesh::Mesh;
+    use crate::relief::periodic::drawn;
     use crate::relief::recognise::{Recognised, recognise};
     use crate::slope::Slope;
 
@@ -307,9 +282,13 @@ mod tests {
             let waves = 0.02 * ((TAU * x).sin() + (TAU * y).cos());
             waves + 0.05 * (x - 0.43).abs() - 0.03 * (x + y - 1.0).abs() + 0.04 * (x - y).abs()
         };
-        let heights =
-            (0..64 * 64).map(|k| height((k % 64) as f64 / 64.0, (k / 64) as f64 / 64.0) as f32).collect::<Vec<_>>();
-        PeriodicRelief { nodes: 64, heights, cell: DVec2::new(2.0, 3.0), cells: [2, 3], tilt: Slope::new(0.03, -0.02) }
+        PeriodicRelief {
+            nodes: 64,
+            heights: drawn(64, height),
+            cell: DVec2::new(2.0, 3.0),
+            cells: [2, 3],
+            tilt: Slope::new(0.03, -0.02),
+        }
     }
 
     fn open_sides(mesh: &Mesh) -> usize {

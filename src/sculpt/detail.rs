@@ -95,14 +95,13 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
+    use crate::relief::periodic::drawn;
     use crate::slope::Slope;
 
     const CELL: DVec2 = DVec2::new(10.0, 5.0);
 
     fn relief(nodes: usize, height: impl Fn(f64, f64) -> f64) -> PeriodicRelief {
-        let heights = (0..nodes * nodes)
-            .map(|k| height((k % nodes) as f64 / nodes as f64, (k / nodes) as f64 / nodes as f64) as f32)
-            .collect();
+        let heights = drawn(nodes, height);
         PeriodicRelief { nodes, heights, cell: CELL, cells: [1, 1], tilt: Slope::new(0.1, 0.0) }
     }
 

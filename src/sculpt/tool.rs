@@ -140,12 +140,11 @@ pub fn polished(mut relief: PeriodicRelief, sigma: Option<f64>) -> PeriodicRelie
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::relief::periodic::drawn;
     use crate::slope::Slope;
 
     fn relief(nodes: usize, height: impl Fn(f64, f64) -> f64) -> PeriodicRelief {
-        let heights = (0..nodes * nodes)
-            .map(|k| height((k % nodes) as f64 / nodes as f64, (k / nodes) as f64 / nodes as f64) as f32)
-            .collect();
+        let heights = drawn(nodes, height);
         PeriodicRelief { nodes, heights, cell: DVec2::new(2.0, 1.0), cells: [3, 3], tilt: Slope::new(0.1, 0.0) }
     }
 

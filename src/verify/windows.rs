@@ -15,7 +15,6 @@ use super::verdict::MAIN_BLUR;
 use crate::progress::{Cancelled, Progress};
 use crate::projection::View;
 use crate::raster::Raster;
-use crate::relief::height_grid::rises;
 use crate::relief::periodic::PeriodicRelief;
 use crate::setup::Setup;
 use crate::sharpen::{BlurKernel, seen};
@@ -196,16 +195,7 @@ impl FirstBounce {
             let pixel = uv.and_then(|uv| View::pixel_at(uv, resolution.0, resolution.1));
             TriangleLight { pixel: pixel.map_or(NOWHERE, |(column, row)| (row * resolution.0 + column) as u32), light }
         };
-        let square = |i: usize, j: usize| {
-            let z = |x: usize, y: usize| f64::from(relief.heights[(j + y) % n * n + (i + x) % n]);
-            let corners = [z(0, 0), z(1, 0), z(0, 1), z(1, 1)];
-            let [z00, z10, z01, z11] = corners;
-            if rises(corners) {
-                [light_of([z10 - z00, z11 - z10]), light_of([z11 - z01, z01 - z00])]
-            } else {
-                [light_of([z10 - z00, z01 - z00]), light_of([z11 - z01, z11 - z10])]
-            }
-        };
+        let square = |i: usize, j: usize| relief.triangle_rises(i, j).0.map(light_of);
         let nowhere = TriangleLight { pixel: NOWHERE, light: 0.0 };
         let side = n / every;
         let mut triangles = vec![[nowhere; 2]; side * side];
@@ -244,6 +234,8 @@ mod tests {
 
     use super::*;
     use crate::projection::Projection;
+    use crate::relief::height_grid::rises;
+    use crate::relief::periodic::drawn;
 
     const SIDE: usize = 128;
 
@@ -252,9 +244,7 @@ mod tests {
     }
 
     fn relief(nodes: usize, cells: [usize; 2], height: impl Fn(f64, f64) -> f64) -> PeriodicRelief {
-        let heights = (0..nodes * nodes)
-            .map(|k| height((k % nodes) as f64 / nodes as f64, (k / nodes) as f64 / nodes as f64) as f32)
-            .collect();
+        let heights = drawn(nodes, height);
         PeriodicRelief { nodes, heights, cell: DVec2::new(2.0, 3.0), cells, tilt: Slope::new(0.02, -0.01) }
     }
 

@@ -152,22 +152,18 @@ impl Task<'_> {
         let (mut best, mut dropped, mut ended_early) = (Vec::<Proved>::new(), None, false);
         let ways = PROVED.min(choices.len());
         for choice in choices {
-            let number = best.len() + 1;
-            if number > ways {
+            if best.len() == ways {
                 break;
             }
-            progress.stage_with(Stage::Sculpting, &format!("way {number} of {ways}"));
+            progress.stage_with(Stage::Sculpting, &format!("way {} of {ways}", best.len() + 1));
             // The first is made to its end; a later one is dropped on a wish to finish, since half-made it would prove nothing.
-            let made = match best.is_empty() {
-                true => self.proved(choice, angle, &progress.to_the_end()),
-                false => self.proved(choice, angle, &progress.until_finish()),
-            };
-            match made {
+            let until = if best.is_empty() { progress.to_the_end() } else { progress.until_finish() };
+            match self.proved(choice, angle, &until) {
                 Ok(proved) => {
                     on_proved(&proved);
                     best.push(proved);
                 }
-                Err(PlanError::Design(DesignError::Cancelled(_))) if !progress.is_abandoned() && !best.is_empty() => {
+                Err(PlanError::Design(DesignError::Cancelled(_))) if !progress.is_abandoned() => {
                     ended_early = true;
                     break;
                 }

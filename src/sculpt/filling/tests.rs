@@ -4,14 +4,13 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::*;
 use crate::cutter::Cutter;
+use crate::relief::periodic::drawn;
 use crate::slope::Slope;
 
 const CELL: DVec2 = DVec2::new(2.0, 1.0);
 
 fn relief(nodes: usize, height: impl Fn(f64, f64) -> f64) -> PeriodicRelief {
-    let heights = (0..nodes * nodes)
-        .map(|k| height((k % nodes) as f64 / nodes as f64, (k / nodes) as f64 / nodes as f64) as f32)
-        .collect();
+    let heights = drawn(nodes, height);
     PeriodicRelief { nodes, heights, cell: CELL, cells: [1, 1], tilt: Slope::new(0.1, 0.0) }
 }
 
