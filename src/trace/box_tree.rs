@@ -217,9 +217,9 @@ mod tests {
             // In turn, and the least of each: a machine may be twice as slow for a while.
             let crowd = with_boxes(crowd);
             let mut least = [Duration::MAX; 2];
-            let holds = (0..12).any(|_| {
+            let holds = (1..=12).any(|round| {
                 least = [least[0].min(time(&clean)), least[1].min(time(&crowd))];
-                least[1] < 2 * least[0]
+                round >= 3 && least[1] < 2 * least[0]
             });
             assert!(holds, "{what}: {:?}, a clean mesh {:?}", least[1], least[0]);
         }
