@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::settings::SETTINGS;
 use super::{Recipe, RecipeError};
+use crate::goal::spec::GoalSpec;
 
 /// What stands at keys that are no setting of their own.
 const OTHER_KEYS: [(&str, &str); 16] = [
@@ -69,6 +70,12 @@ impl Recipe {
     pub fn name_picture(&mut self, path: &Path) {
         self.picture = path.to_str().map(Into::into);
         self.picture_bytes = if self.picture.is_some() { None } else { hexadecimal(path) };
+    }
+
+    /// Names a goal in place of a picture.
+    pub fn name_goal(&mut self, goal: &GoalSpec) {
+        (self.picture, self.picture_bytes) = (None, None);
+        self.goal = Some(goal.clone());
     }
 
     /// The picture that it names.

@@ -243,6 +243,19 @@ fn a_goals_folder_is_proved_again_from_every_side_as_designed_and_as_cut() {
     // A ball of half a facet's width rounds the foot of every wall: what it leaves is not what was designed.
     assert!(!near(&first, &cut, 0.02), "{first:?} {cut:?}");
     assert!(home.path().join("proof/goal.png").exists());
+    // As a file that nobody knows of, against the goal that is named: the same slices, and the field that the goal needs.
+    let file = "verify made/plate/plate.stl --rays 4000";
+    assert_done(&run_line(home.path(), &format!("{file} --goal lafortune:lobe.toml --at-most 0.9 -o foreign")));
+    let foreign = json(home.path().join("foreign/report.json"));
+    assert_eq!(foreign["highlight"]["half-field"], report["highlight"]["half-field"]);
+    assert!((tv(&foreign, "measured") - tv(&report, "measured")).abs() < 1e-9, "{foreign}");
+    assert!(near(&tvs(&foreign["goal"]["slices"]), &again, 1e-9), "{foreign}");
+    assert!(home.path().join("foreign/goal.png").exists());
+    // Another goal is missed, and that decides the exit code.
+    assert_eq!(run_line(home.path(), &format!("{file} --goal ggx:0.1 --at-most 0.2")).code, Some(1));
+    assert_refused(&run_line(home.path(), &format!("{file} --goal ggx:0.1 --against ring.png")), 2, &["--against"]);
+    assert_refused(&run_line(home.path(), &format!("{file} --against ring.png --goal-part all")), 2, &["--goal-part"]);
+    assert_refused(&run_line(home.path(), &format!("{file} --goal merl:none.binary")), 3, &["none.binary"]);
     assert_refused(&run_line(home.path(), "verify made/plate --wall 500"), 2, &["goal", "--against"]);
     fs::rename(home.path().join("lobe.toml"), home.path().join("gone.toml")).unwrap();
     assert_refused(&run_line(home.path(), "verify made/plate"), 3, &["the goal's file lobe.toml"]);

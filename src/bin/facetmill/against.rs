@@ -26,6 +26,8 @@ pub enum Against {
     Picture(PathBuf),
     /// A goal, its file in place.
     Goal(GoalSpec),
+    /// The same, and the field that it needs is to be chosen.
+    GoalAndField(GoalSpec),
 }
 
 impl Against {
@@ -34,10 +36,15 @@ impl Against {
         if let Some(path) = &args.against {
             return Ok(Self::Picture(path.clone()));
         }
+        if let Some(goal) = &args.goal {
+            // The field of a folder is that of its design.
+            let chosen = args.plate.is_dir() || args.settings.has("half-field");
+            return Ok(if chosen { Self::Goal(goal.clone()) } else { Self::GoalAndField(goal.clone()) });
+        }
         let name = args.plate.display();
         if !args.plate.is_dir() {
             return Err(Failure::Usage(format!(
-                "{name}: say with --against which picture its light is to be scored against"
+                "{name}: say with --against which picture its light is to be scored against, or with --goal which reflectance"
             )));
         }
         let found = |named: &Path, what: &str| {
@@ -63,23 +70,27 @@ impl Against {
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::Picture(path) => Some(path),
-            Self::Goal(spec) => spec.path(),
+            Self::Goal(spec) | Self::GoalAndField(spec) => spec.path(),
         }
     }
 
-    /// The picture, or the slice of the goal under the setup's lamp, and the goal.
+    /// The picture, or the slice of the goal under the lamp of the setup that `posed` makes of the recipe, and the goal.
     pub fn picture(
         &self,
-        recipe: &Recipe,
-        setup: &Setup,
+        recipe: &mut Recipe,
+        posed: &dyn Fn(&Recipe) -> Result<Setup, Failure>,
         limit: MemoryLimit,
     ) -> Result<(Picture, Option<Goal>), Failure> {
         let spec = match self {
             Self::Picture(path) => return Ok((inputs::picture(path, &recipe.reading(), limit)?, None)),
-            Self::Goal(spec) => spec,
+            Self::Goal(spec) | Self::GoalAndField(spec) => spec,
         };
+        let setup = posed(recipe)?;
         let goal = Goal::read(spec, recipe.goal_part, setup.light())?;
-        Ok((goal.picture(setup)?, Some(goal)))
+        if matches!(self, Self::GoalAndField(_)) {
+            recipe.highlight.half_field = goal.half_field(&setup)?.into();
+        }
+        Ok((goal.picture(&posed(recipe)?)?, Some(goal)))
     }
 }
 
@@ -90,18 +101,18 @@ impl From<GoalError> for Failure {
     }
 }
 
-/// The whole BRDF of a plate, as it stands in its file and as it is cut, beside the goal; `own` is the recipe by which it was
-/// designed.
+/// The whole BRDF of a plate, as it stands in its file and as it is cut, beside the goal; `designed` is the setup for which it
+/// was designed.
 pub fn goal_proof(
     recipe: &Recipe,
-    own: &Recipe,
+    designed: &Setup,
     goal: &Goal,
     (opened, margin): (&Opened, f64),
     progress: &Progress,
 ) -> Result<GoalProof, Failure> {
     let milled = milled_plate(recipe, &opened.mesh, margin, progress)?;
     let plates = GoalPlates { written: &opened.plate, milled: milled.as_ref() };
-    Ok(prove_goal(recipe, goal, &own.setup(), plates, progress)?)
+    Ok(prove_goal(recipe, goal, designed, plates, progress)?)
 }
 
 /// The folder for the proof's files, if one is named; `read` is not to be replaced.

@@ -78,6 +78,7 @@ fn foreign(args: &VerifyArgs) -> Option<&'static str> {
         (making.cutter.is_some(), "--cutter"),
         (making.polish.is_some(), "--polish"),
         (args.scene.is_some(), "--scene"),
+        (args.goal.is_some() || args.goal_part.is_some(), "--goal"),
         (args.mount.is_some(), "--mount"),
         (args.at_most.is_some_and(|limit| limit.blur != MAIN_BLUR), "a blur behind --at-most"),
     ];

@@ -73,16 +73,20 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     let opened = plates::open(&stl, margin, &args.placing, (limit, image), &progress)?;
     let plate = opened.size.truncate() - 2.0 * margin;
     let task = machining.map(|machining| machining::Task::new(machining, making.draws, plate, limit)).transpose()?;
-    let pose = |setup: Setup| match (args.mount, mount) {
-        (None, Some(normal)) => lit(setup.mounted(normal)),
-        (mount, _) => mounted(setup, mount),
+    let pose = |recipe: &Recipe| match (args.mount, mount) {
+        (None, Some(normal)) => lit(recipe.setup().mounted(normal)),
+        (mount, _) => mounted(recipe.setup(), mount),
     };
-    let (picture, goal) = against.picture(&recipe, &pose(recipe.setup())?, limit)?;
+    let (picture, goal) = against.picture(&mut recipe, &pose, limit)?;
     recipe.note_drawing(picture.original_size);
-    let setup = pose(recipe.setup())?;
+    let setup = pose(&recipe)?;
     let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
     let goal = match &goal {
-        Some(goal) => Some(goal_proof(&recipe, &own, goal, (&opened, margin), &progress)?),
+        Some(goal) => {
+            // Nobody knows of a file for which lamp it was designed: for the one that it is proved under.
+            let designed = if args.plate.is_dir() { own.setup() } else { recipe.setup() };
+            Some(goal_proof(&recipe, &designed, goal, (&opened, margin), &progress)?)
+        }
         None => None,
     };
     if let Some(task) = task {
@@ -113,6 +117,10 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
 fn asked(args: &VerifyArgs, own: &Recipe) -> Result<(Recipe, MachiningSettings, Against), Failure> {
     let mut recipe = own.clone();
     args.settings.apply(&mut recipe);
+    args.aim(&mut recipe);
+    if recipe.goal.is_none() && args.goal_part.is_some() {
+        return Err(Failure::Usage("--goal-part is for a --goal, and there is none: leave it out".into()));
+    }
     let against = Against::new(args, &recipe)?;
     if let Against::Picture(path) = &against {
         recipe.name_picture(path);

@@ -103,8 +103,7 @@ impl DesignArgs {
             recipe.goal = None;
         }
         if let Some(goal) = &self.goal {
-            (recipe.picture, recipe.picture_bytes) = (None, None);
-            recipe.goal = Some(goal.clone());
+            recipe.name_goal(goal);
         }
         let patches = &mut recipe.patches;
         for (path, name) in [

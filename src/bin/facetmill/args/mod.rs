@@ -19,10 +19,12 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use facetmill::cutter::Cutter;
+use facetmill::goal::spec::GoalSpec;
 use facetmill::job::clock::wanted_threads;
 use facetmill::memory::MemoryLimit;
+use facetmill::recipe::Recipe;
 
-use crate::values::{Limit, UnitArg, UpArg, memory, threads};
+use crate::values::{GoalPartArg, Limit, UnitArg, UpArg, goal, memory, threads};
 
 pub use coupon::CouponArgs;
 pub use design::DesignArgs;
@@ -171,6 +173,15 @@ pub struct VerifyArgs {
     /// The picture that the light is scored against  [default: that of the folder's recipe]
     #[arg(long, value_name = "PICTURE")]
     pub against: Option<PathBuf>,
+    /// Reflectance in place of a picture, as `design --goal` takes it: ward:0.1,0.3, merl:FILE, ndf:PICTURE and others
+    ///
+    /// The slice at the lamp is scored as a picture is, and the whole BRDF of the plate is set against the goal's under lamps
+    /// from 0° to 60°. Without --half-field the field of a file holds 99 % of the goal's light.
+    #[arg(long, value_name = "SPEC", value_parser = goal, conflicts_with_all = ["against", "scene"])]
+    pub goal: Option<GoalSpec>,
+    /// Which part of the goal is wanted: specular or all  [default: that of the folder's recipe, else specular]
+    #[arg(long, value_enum, value_name = "PART", hide_possible_values = true, conflicts_with = "against")]
+    pub goal_part: Option<GoalPartArg>,
     /// Folder for the results; made if it does not exist. Without it nothing is written
     #[arg(short = 'o', long = "output", value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -199,6 +210,18 @@ pub struct VerifyArgs {
     pub machining: MachiningArgs,
     #[command(flatten)]
     pub running: RunningArgs,
+}
+
+impl VerifyArgs {
+    /// Names in `recipe` the goal that was given, in place of its own or of a picture.
+    pub fn aim(&self, recipe: &mut Recipe) {
+        if let Some(goal) = &self.goal {
+            recipe.name_goal(goal);
+        }
+        if let Some(part) = self.goal_part {
+            recipe.goal_part = part.into();
+        }
+    }
 }
 
 /// By what the plate is made.
