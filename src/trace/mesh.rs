@@ -17,15 +17,14 @@
 //! it, but only beyond `BACK` diagonals and only if no front lies within `BACK` of it, and only off its edges by
 //! `INSET`: coplanar neighbours of a grazing ray are no leaks, nor is a silhouette edge that a ray along a wall touches.
 
-use glam::{DVec2, DVec3, UVec2, Vec3A};
-use obvhs::{aabb::Aabb, cwbvh::CwBvh, fast_stack, faststack::FastStack, ray::Ray, traverse};
+use glam::{DVec2, DVec3};
 
-use super::box_tree::plant;
+use super::cells::Cells;
+use super::line::{Line, areas_under, doubles};
+use super::sorted::Sorted;
+use super::tree_search::{Tree, WIDEN};
 use super::{Hit, PieceKind, Surface};
 use crate::relief::mesh::Mesh;
-
-/// A triangle faces up, or down, only beyond this part of its unit normal along z; in between it is vertical.
-const UPRIGHT: f64 = 1e-3;
 
 /// Least distance of a hit from the edges of its triangle, in diagonals of the mesh's box.
 const INSET: f64 = 1e-10;
@@ -33,28 +32,28 @@ const INSET: f64 = 1e-10;
 /// How much nearer than a front a back must be to count, in diagonals.
 const BACK: f64 = 1e-9;
 
-/// What the tree's boxes are widened by, in diagonals: some eight times what single precision can err.
-const WIDEN: f64 = 4e-6;
-
-/// How far behind their start rays set out through the tree, in diagonals: it passes over boxes nearer than 1e-4.
-const RUN_UP: f64 = 2e-4;
-
-/// A triangle mesh with a tree of boxes over it.
+/// A triangle mesh, ready for rays: in a grid of cells if it is a height field, else in a tree of boxes.
 ///
 /// Kinds are the referee's: [`PieceKind::Relief`] for normal.z > 1e-3; [`PieceKind::Outer`] for normal.z < -1e-3 and for
 /// triangles with all corners on one side of the xy bounding box; [`PieceKind::Wall`] for the other vertical ones.
+///
+/// The grid holds what faces up and what is vertical, whether it overlaps or not; triangles that face down stand in a tree
+/// that is asked only about rays that come below the highest of them, and a mesh of which one stands above the lowest relief
+/// is no height field. Both find the same hits.
 #[derive(Clone)]
 pub struct MeshSurface {
-    /// In the order of the tree's leaves, in single precision as they are in the file: exact, and half the memory.
+    /// First those of the grid, then those of the tree, each in its own order; in single precision as they are in the
+    /// file: exact, and half the memory.
     triangles: Vec<[[f32; 3]; 3]>,
     kinds: Vec<PieceKind>,
-    /// Over the box around all vertices, moved to the origin and shrunk to a diagonal of 1.
-    tree: CwBvh,
-    /// Levels of the tree, and so the most that its search must remember.
-    levels: usize,
+    cells: Option<Cells>,
+    tree: Option<Tree>,
+    /// Rank of the tree's first triangle.
+    in_tree: u32,
+    /// Height of the tree's highest triangle, mm.
+    tree_top: f64,
     /// The box around all vertices, widened.
     bounds: (DVec3, DVec3),
-    centre: DVec3,
     diagonal: f64,
     optical: (DVec2, DVec2),
     heights: (f64, f64),
@@ -67,6 +66,15 @@ impl MeshSurface {
     /// Fails if the mesh has no triangle that faces up, a vertex that is not finite or an index past its vertices,
     /// or if the margin is negative or leaves nothing.
     pub fn new(mesh: &Mesh, margin: f64) -> Result<Self, MeshSurfaceError> {
+        Self::indexed(mesh, margin, true)
+    }
+
+    /// The same in a tree of boxes alone, whatever it is.
+    pub fn in_tree(mesh: &Mesh, margin: f64) -> Result<Self, MeshSurfaceError> {
+        Self::indexed(mesh, margin, false)
+    }
+
+    fn indexed(mesh: &Mesh, margin: f64, as_field: bool) -> Result<Self, MeshSurfaceError> {
         if mesh.triangles.is_empty() {
             return Err(MeshSurfaceError::Empty);
         }
@@ -83,40 +91,57 @@ impl MeshSurface {
             return Err(MeshSurfaceError::Margin { margin });
         }
 
-        let (centre, diagonal) = (0.5 * (low + high), (high - low).length());
-        let (mut triangles, mut kinds, mut boxes) = (Vec::new(), Vec::new(), Vec::new());
-        let mut lowest = f64::INFINITY;
-        for k in 0..mesh.triangles.len() {
-            let corners = mesh.corners(k);
-            let Some(kind) = classify(&corners, low, high) else { continue };
-            let (below, above) =
-                (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
-            if kind == PieceKind::Relief {
-                lowest = lowest.min(below.z);
-            }
-            let scaled = |v: DVec3, widen: f64| ((v - centre) / diagonal + widen).as_vec3a();
-            boxes.push(Aabb::new(scaled(below, -WIDEN), scaled(above, WIDEN)));
-            kinds.push(kind);
-            triangles.push(mesh.triangles[k].map(|v| mesh.vertices[v as usize]));
-        }
-        if lowest == f64::INFINITY {
+        let found = Sorted::new(mesh, low, high);
+        if found.lowest == f64::INFINITY {
             return Err(MeshSurfaceError::NoRelief);
         }
-
-        let tree = plant(&boxes, &triangles);
-        let (leaves, degenerate) = (&tree.primitive_indices, mesh.triangles.len() - triangles.len());
-        Ok(Self {
-            triangles: leaves.iter().map(|&k| triangles[k as usize]).collect(),
-            kinds: leaves.iter().map(|&k| kinds[k as usize]).collect(),
-            degenerate,
-            levels: levels(&tree),
-            tree,
-            bounds: (low - WIDEN * diagonal, high + WIDEN * diagonal),
-            centre,
-            diagonal,
+        let mut surface = Self {
+            triangles: Vec::with_capacity(found.kinds.len()),
+            kinds: Vec::with_capacity(found.kinds.len()),
+            cells: None,
+            tree: None,
+            in_tree: 0,
+            tree_top: f64::NEG_INFINITY,
+            bounds: (low - WIDEN * (high - low).length(), high + WIDEN * (high - low).length()),
+            diagonal: (high - low).length(),
             optical,
-            heights: (lowest, high.z),
-        })
+            heights: (found.lowest, high.z),
+            degenerate: mesh.triangles.len() - found.kinds.len(),
+        };
+        surface.fill(found, (low, high), as_field);
+        Ok(surface)
+    }
+
+    /// Whether its triangles stand in a grid of cells, and not in a tree alone.
+    pub fn is_field(&self) -> bool {
+        self.cells.is_some()
+    }
+
+    fn fill(&mut self, found: Sorted, (low, high): (DVec3, DVec3), as_field: bool) {
+        let Sorted { mut above, parts, mut below, mut kinds, .. } = found;
+        let top = below.iter().flatten().map(|corner| f64::from(corner[2])).fold(f64::NEG_INFINITY, f64::max);
+        let grid = if as_field && top <= self.heights.0 { Cells::new(&above, &parts, low, high) } else { None };
+        let mut kinds_below = kinds.split_off(above.len());
+        if let Some((cells, order)) = grid {
+            self.take(&order, &above, &kinds);
+            self.cells = Some(cells);
+        } else {
+            above.append(&mut below);
+            kinds.append(&mut kinds_below);
+            (below, kinds_below) = (above, kinds);
+        }
+        if !below.is_empty() {
+            let (tree, order) = Tree::new(&below, low, high);
+            self.in_tree = self.triangles.len() as u32;
+            self.take(&order, &below, &kinds_below);
+            self.tree = Some(tree);
+            self.tree_top = if self.is_field() { top + WIDEN * self.diagonal } else { f64::INFINITY };
+        }
+    }
+
+    fn take(&mut self, order: &[u32], triangles: &[[[f32; 3]; 3]], kinds: &[PieceKind]) {
+        self.triangles.extend(order.iter().map(|&k| triangles[k as usize]));
+        self.kinds.extend(order.iter().map(|&k| kinds[k as usize]));
     }
 
     /// Triangles without area, which were left out.
@@ -130,71 +155,91 @@ impl MeshSurface {
         let back = BACK * self.diagonal;
         let mut best = None;
         let mut reach = f64::INFINITY;
-        fast_stack!(UVec2, (32, 96), self.levels, stack, {
-            self.search(origin, direction, stack, |k| {
-                if left != Some(k)
-                    && let Some((distance, weights, front)) = line.meet(&self.triangles[k as usize])
-                {
-                    if !front && self.is_on_rim(k, weights) {
-                        return reach;
-                    }
-                    let handicap = if front { 0.0 } else { back };
-                    let key = distance + handicap;
-                    // Equals go to the lower rank, so that the order of the search is of no account.
-                    if distance > handicap && (key < reach || best.is_some_and(|(j, _)| key == reach && k < j)) {
-                        reach = key;
-                        best = Some((k, weights));
-                    }
+        let mut test = |k: u32| {
+            if left != Some(k)
+                && let Some((distance, weights, front)) = line.meet(&self.triangles[k as usize])
+            {
+                if !front && self.is_on_rim(k, weights) {
+                    return reach;
                 }
-                reach
+                let handicap = if front { 0.0 } else { back };
+                let key = distance + handicap;
+                // Equals go to the lower rank, so that the order of the search is of no account.
+                if distance > handicap && (key < reach || best.is_some_and(|(j, _)| key == reach && k < j)) {
+                    reach = key;
+                    best = Some((k, weights));
+                }
+            }
+            reach
+        };
+        let mut met = f64::INFINITY;
+        if let Some(cells) = &self.cells {
+            cells.walk(origin, direction, |k| {
+                met = test(k);
+                met
             });
-        });
+        }
+        if let Some(tree) = &self.tree
+            && lowest(origin.z, direction.z, met) <= self.tree_top
+        {
+            tree.search(origin, direction, |k| test(self.in_tree + k));
+        }
         best.map(|(k, weights)| self.hit(k, weights))
     }
 
-    /// Shows `test` all triangles near the ray, except those beyond the distance that it returned last.
-    fn search<S: FastStack<UVec2>>(&self, origin: DVec3, direction: DVec3, stack: S, mut test: impl FnMut(u32) -> f64) {
-        let scale = 1.0 / self.diagonal;
-        let start = (origin - self.centre) * scale - RUN_UP * direction;
-        // The tree takes the sign of a zero for a direction, but not everywhere: adding zero makes it positive.
-        let mut ray = Ray::new_inf(start.as_vec3a(), direction.as_vec3a() + Vec3A::ZERO);
-        let mut state = Search {
-            stack,
-            current_group: UVec2::new(0, 1 << 31),
-            primitive_group: UVec2::ZERO,
-            oct_inv4: self.tree.new_traversal(ray.direction).oct_inv4,
-            primitive_id: 0,
-            hitmask: 0,
-        };
-        let mut node;
-        traverse!(self.tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
-            ray.tmax = (test(state.primitive_id) * scale + RUN_UP) as f32;
-        });
+    /// What a ray straight down from above everything meets, where one surface stands alone.
+    #[inline]
+    fn below(&self, origin: DVec3) -> Option<Hit<u32>> {
+        let list = self.cells.as_ref()?.plain(origin.x, origin.y)?;
+        // No edge is longer than the diagonal: what is farther off all edges than this needs no inset.
+        let clear = INSET * self.diagonal * self.diagonal;
+        for &k in list {
+            let areas = areas_under(&self.triangles[k as usize], origin.x, origin.y);
+            let least = areas.min_element();
+            if least >= 0.0 {
+                let weights = areas * (1.0 / areas.element_sum());
+                return Some(if least > clear { self.point_of(k, weights) } else { self.hit(k, weights) });
+            }
+        }
+        None
     }
 
     /// The weights of corners of points that stand `INSET` off the opposite edge, less in slivers.
     fn rim(&self, k: u32) -> DVec3 {
-        let [a, b, c] = self.triangles[k as usize].map(double);
+        let [a, b, c] = doubles(&self.triangles[k as usize]);
         let twice_area = (b - a).cross(c - a).length();
         // A weight is the distance from the opposite edge over the height above it, twice the area by the edge.
         let edges = DVec3::new((c - b).length(), (a - c).length(), (b - a).length());
         (INSET * self.diagonal / twice_area * edges).min(DVec3::splat(0.1))
     }
 
+    #[inline]
+    fn inset(&self, k: u32, weights: DVec3) -> DVec3 {
+        let weights = weights.max(self.rim(k));
+        weights / weights.element_sum()
+    }
+
     fn is_on_rim(&self, k: u32, weights: DVec3) -> bool {
         weights.cmplt(self.rim(k)).any()
     }
 
+    #[inline]
     fn hit(&self, k: u32, weights: DVec3) -> Hit<u32> {
-        let [a, b, c] = self.triangles[k as usize].map(double);
-        let mut weights = weights;
-        if weights.min_element() < 0.1 {
-            weights = weights.max(self.rim(k));
-            weights /= weights.element_sum();
-        }
+        let weights = if weights.min_element() < 0.1 { self.inset(k, weights) } else { weights };
+        self.point_of(k, weights)
+    }
+
+    #[inline]
+    fn point_of(&self, k: u32, weights: DVec3) -> Hit<u32> {
+        let [a, b, c] = doubles(&self.triangles[k as usize]);
         // From one corner, so that what all three share is kept exactly: off its plane by rounding, light that grazes a
         // wall at its foot would slip under the floor.
         Hit { point: a + weights.y * (b - a) + weights.z * (c - a), place: k }
+    }
+
+    fn is_over(&self, point: DVec3) -> bool {
+        let (low, high) = self.bounds;
+        (point.truncate().cmpge(low.truncate()) & point.truncate().cmple(high.truncate())).all()
     }
 
     /// Where a ray from outside comes to the box, or its start if that is inside.
@@ -221,17 +266,31 @@ impl Surface for MeshSurface {
 
     /// A start or direction that is not finite, or a direction without length, meets nothing.
     fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit<u32>> {
+        if direction == -DVec3::Z
+            && origin.z >= self.bounds.1.z
+            && self.is_over(origin)
+            && let Some(hit) = self.below(origin)
+        {
+            return Some(hit);
+        }
         let direction = unit(direction)?;
         let start = self.entrance(origin, direction).filter(|_| origin.is_finite())?;
         self.nearest(start, direction, None)
     }
 
     fn next(&self, from: &Hit<u32>, direction: DVec3) -> Option<Hit<u32>> {
-        self.nearest(from.point, unit(direction)?, Some(from.place))
+        let direction = unit(direction)?;
+        if let Some(cells) = &self.cells
+            && self.kinds[from.place as usize] == PieceKind::Relief
+            && cells.escapes(from.point, direction)
+        {
+            return None;
+        }
+        self.nearest(from.point, direction, Some(from.place))
     }
 
     fn normal(&self, place: u32) -> DVec3 {
-        let [a, b, c] = self.triangles[place as usize].map(double);
+        let [a, b, c] = doubles(&self.triangles[place as usize]);
         (b - a).cross(c - a).normalize()
     }
 
@@ -248,91 +307,9 @@ impl Surface for MeshSurface {
     }
 }
 
-/// Where a search through the tree stands. The crate's own remembers 32 groups of nodes and overwrites the last one when
-/// there are more; trees over fans of long thin triangles, such as fill the underside of plates, can be deeper.
-struct Search<S> {
-    stack: S,
-    current_group: UVec2,
-    primitive_group: UVec2,
-    oct_inv4: u32,
-    primitive_id: u32,
-    hitmask: u32,
-}
-
-/// Levels of nodes in a tree.
-fn levels(tree: &CwBvh) -> usize {
-    let mut deepest = 1;
-    let mut open = vec![(0, 1)];
-    while let Some((node, level)) = open.pop() {
-        deepest = deepest.max(level);
-        let node = &tree.nodes[node as usize];
-        open.extend((0..8).filter(|&k| !node.is_leaf(k)).map(|k| (node.child_node_index(k), level + 1)));
-    }
-    deepest
-}
-
-/// The kind of a triangle in a mesh with the given box, or none if it has no area.
-fn classify(corners: &[DVec3; 3], low: DVec3, high: DVec3) -> Option<PieceKind> {
-    let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    let length = cross.length();
-    if length == 0.0 {
-        return None;
-    }
-    let tolerance = 1e-6 * (high - low).max_element() + 1e-7;
-    let on_side = |axis: usize, side: DVec3| corners.iter().all(|v| (v[axis] - side[axis]).abs() < tolerance);
-    let up = cross.z / length;
-    Some(if up < -UPRIGHT || [0, 1].iter().any(|&axis| on_side(axis, low) || on_side(axis, high)) {
-        PieceKind::Outer
-    } else if up <= UPRIGHT {
-        PieceKind::Wall
-    } else {
-        PieceKind::Relief
-    })
-}
-
-/// A ray in the frame in which it is the third axis: the one along which it is longest, the others sheared.
-struct Line {
-    origin: [f64; 3],
-    axes: [usize; 3],
-    shear: DVec2,
-    stretch: f64,
-}
-
-impl Line {
-    fn new(origin: DVec3, direction: DVec3) -> Self {
-        let w = direction.abs().max_position();
-        // Turned axes in place of mirrored ones keep the sense of rotation.
-        let (u, v) = if direction[w] < 0.0 { ((w + 2) % 3, (w + 1) % 3) } else { ((w + 1) % 3, (w + 2) % 3) };
-        let stretch = 1.0 / direction[w];
-        Self {
-            origin: origin.to_array(),
-            axes: [u, v, w],
-            shear: DVec2::new(direction[u], direction[v]) * stretch,
-            stretch,
-        }
-    }
-
-    /// Distance, weights of the corners, and whether it is the front that is met.
-    fn meet(&self, corners: &[[f32; 3]; 3]) -> Option<(f64, DVec3, bool)> {
-        let [a, b, c] = corners.map(|corner| {
-            let [u, v, w] = self.axes.map(|axis| f64::from(corner[axis]) - self.origin[axis]);
-            DVec3::new(u - self.shear.x * w, v - self.shear.y * w, w)
-        });
-        let edges = DVec3::new(c.x * b.y - c.y * b.x, a.x * c.y - a.y * c.x, b.x * a.y - b.y * a.x);
-        if edges.min_element() < 0.0 && edges.max_element() > 0.0 {
-            return None;
-        }
-        let sum = edges.element_sum();
-        if sum == 0.0 {
-            return None;
-        }
-        let weights = edges / sum;
-        Some((weights.dot(DVec3::new(a.z, b.z, c.z)) * self.stretch, weights, sum > 0.0))
-    }
-}
-
-fn double(corner: [f32; 3]) -> DVec3 {
-    DVec3::from_array(corner.map(f64::from))
+/// The lowest height of a ray from `z` that goes `climb` up for each mm, within `reach` mm.
+fn lowest(z: f64, climb: f64, reach: f64) -> f64 {
+    if climb < 0.0 { z + climb * reach } else { z }
 }
 
 fn unit(direction: DVec3) -> Option<DVec3> {

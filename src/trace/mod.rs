@@ -8,7 +8,17 @@ pub mod height_field;
 
 pub mod grid;
 
+mod line;
+
 mod box_tree;
+
+mod tree_search;
+
+mod horizon;
+
+mod cells;
+
+mod sorted;
 
 pub mod mesh;
 

@@ -85,7 +85,8 @@ impl TracedPlate {
         match self {
             Self::Facets(_) => "a plane over each rectangle of a grid",
             Self::Heights(_) => "two triangles over each rectangle of a grid",
-            Self::Mesh(_) => "triangles",
+            Self::Mesh(surface) if surface.is_field() => "triangles in the cells of a grid",
+            Self::Mesh(_) => "triangles in a tree of boxes",
         }
     }
 }

@@ -150,7 +150,9 @@ fn the_tree_finds_what_brute_force_finds() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
     for (climb, rays) in [(0.3, 40_000), (3.0, 40_000), (1e-3, 20_000)] {
         let mesh = field(8, climb, &mut random);
-        let surface = MeshSurface::new(&mesh, 0.0).unwrap();
+        let surface =
+            if rays == 20_000 { MeshSurface::in_tree(&mesh, 0.0) } else { MeshSurface::new(&mesh, 0.0) }.unwrap();
+        assert_eq!(surface.is_field(), rays != 20_000);
         for k in 0..rays {
             let target = DVec3::new(random.random(), random.random(), random.random())
                 * DVec3::new(8.0, 8.0, 1.0 + f64::from(climb));
@@ -258,8 +260,9 @@ fn a_tree_deeper_than_the_crate_allows_is_searched_all_the_same() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
     for triangles in [1500, 4, 3, 2, 1] {
         mesh.triangles.truncate(triangles);
-        let surface = MeshSurface::new(&mesh, 0.0).unwrap();
-        assert!(triangles < 1500 || surface.levels > 96, "{}", surface.levels);
+        let surface = MeshSurface::in_tree(&mesh, 0.0).unwrap();
+        let levels = surface.tree.as_ref().unwrap().levels();
+        assert!(triangles < 1500 || levels > 96, "{levels}");
         for _ in 0..2000 {
             let target = DVec3::new(
                 random.random::<f64>() - 0.5,
@@ -271,6 +274,34 @@ fn a_tree_deeper_than_the_crate_allows_is_searched_all_the_same() {
             let distance = surface.first(origin, along).map_or(f64::INFINITY, |hit| (hit.point - origin).length());
             let expected = brute_force(&mesh, origin, along);
             assert!(distance == expected || (distance - expected).abs() < 1e-9, "{origin} {along}");
+        }
+    }
+}
+
+#[test]
+fn cells_and_tree_find_the_same_hits_and_the_same_ways_out() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
+    for climb in [0.1, 0.4, 2.0] {
+        let mesh = field(24, climb, &mut random);
+        let (cells, tree) = (MeshSurface::new(&mesh, 0.0).unwrap(), MeshSurface::in_tree(&mesh, 0.0).unwrap());
+        assert!(cells.is_field() && !tree.is_field());
+        for k in 0..40_000 {
+            let light = if k % 2 == 0 {
+                DVec3::Z
+            } else {
+                direction(1.5 * random.random::<f64>(), 7.0 * random.random::<f64>())
+            };
+            let target = DVec3::new(24.0 * random.random::<f64>(), 24.0 * random.random::<f64>(), 1.0);
+            let origin = target + 40.0 * light;
+            let (mut a, mut b) = (cells.first(origin, -light), tree.first(origin, -light));
+            let mut along = -light;
+            for _ in 0..6 {
+                assert_eq!(a.is_some(), b.is_some(), "{origin} {light}");
+                let (Some(hit), Some(other)) = (a, b) else { break };
+                assert!((hit.point - other.point).length() < 1e-9, "{origin} {light}");
+                along = mirror(-along, cells.normal(hit.place));
+                (a, b) = (cells.next(&hit, along), tree.next(&other, along));
+            }
         }
     }
 }
