@@ -136,10 +136,17 @@ pub fn unavoidable_light(recipe: &Recipe, light: &Raster) -> Result<Option<Unavo
     if recipe.surface() == SurfaceKind::Facets || recipe.design.sheet.cutter.is_none() {
         return Ok(None);
     }
+    Ok(least_stray(&slopes(recipe, light, &Progress::silent())?, &recipe.sculpting()))
+}
+
+/// The slopes that send the drawing's `light`, and how much of the plate each gets.
+///
+/// # Errors
+/// No slopes send it, or the work is cancelled.
+pub(super) fn slopes(recipe: &Recipe, light: &Raster, progress: &Progress) -> Result<SlopeDistribution, DesignError> {
     let setup = recipe.setup();
-    let (highlight, _) = wanted(recipe, light, &setup, &Progress::silent())?;
-    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
-    Ok(least_stray(&distribution, &recipe.sculpting()))
+    let (highlight, _) = wanted(recipe, light, &setup, progress)?;
+    Ok(SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?)
 }
 
 /// The light that is to be sent, sharpened if lamp or metal blur it, if most of it lies above the plate.

@@ -89,6 +89,8 @@ pub struct MadeProof {
     pub measurement: Measurement,
     /// The figures of that.
     pub verdict: Verdict,
+    /// Light on the wall and its figures there, in a scene that has one.
+    pub on_wall: Option<WallLight>,
     /// In each draw, the share of the light that is misplaced or lost at a blur of 1°.
     pub draws: Vec<f64>,
     /// Share of the light within half a degree of where a level plate throws it, less what the drawing has there.

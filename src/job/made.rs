@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::design::{Design, DesignError};
-use super::findings::{MadeProof, Proof, RimProof};
+use super::findings::{MadeProof, Proof, RimProof, WallLight};
+use super::on_wall::RoomProof;
 use crate::brdf::material::Material;
 use crate::export::sheet::sheet_solid;
 use crate::milling::made::Machining;
@@ -13,7 +14,7 @@ use crate::milling::polish::in_words;
 use crate::progress::{Progress, Stage};
 use crate::projection::View;
 use crate::raster::Raster;
-use crate::recipe::Recipe;
+use crate::recipe::{Recipe, RecipeError};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::OpenRelief;
 use crate::report::made::MadeFacts;
@@ -40,21 +41,32 @@ const THICKNESS: f64 = 1.0;
 /// Angle from straight back within which a false spot is looked for, degrees.
 const SPOT: f64 = 0.5;
 
-/// Proves `design` as the machine of its recipe makes it, if that names one; `proof` has its target and the light of its rim.
+/// Proves `design` for the drawing's `light` as the machine of its recipe makes it, if that names one; `proof` has its target
+/// and the light of its rim.
 ///
 /// # Errors
 /// As [`prove_as_made`].
 pub fn made_by_machine(
     recipe: &Recipe,
-    design: &Design,
-    proof: &Proof,
+    light: &Raster,
+    (design, proof): (&Design, &Proof),
     progress: &Progress,
 ) -> Result<Option<MadeProof>, DesignError> {
     let Some(machining) = recipe.machining()? else { return Ok(None) };
     let lighting = Lighting::new(recipe, &design.distribution.setup);
     let plate = (&design.mesh, DVec2::from(recipe.plate.size), recipe.plate.border);
-    let seen = lighting.seen(&proof.target, proof.rim.as_ref());
-    prove_as_made(&machining, plate, seen, recipe.draws(), lighting.mirrored(progress)).map(Some)
+    let mirrored = lighting.mirrored(progress);
+    let made = match &proof.wall {
+        Some(wall) => {
+            let room = RoomProof { recipe, light, scene: &wall.scene, mirrored };
+            prove_as_made_in_room(&machining, plate, &room, proof.rim.as_ref(), recipe.draws())?
+        }
+        None => {
+            let seen = lighting.seen(&proof.target, proof.rim.as_ref());
+            prove_as_made(&machining, plate, seen, recipe.draws(), mirrored)?
+        }
+    };
+    Ok(Some(made))
 }
 
 /// How the plates of a recipe are lit, and through what they are seen.
@@ -111,7 +123,33 @@ pub fn prove_as_made(
     prove_along(machining, &ways, seen, draws, mirrored)
 }
 
-/// The same where the passes over the plate are known.
+/// The same of a plate in its room, the light of whose polished surface lands on the wall; light of the rim counts as `rim`
+/// says.
+///
+/// # Errors
+/// As [`prove_as_made`], and of a surface that is not polished.
+pub fn prove_as_made_in_room(
+    machining: &Machining,
+    (mesh, plate, margin): (&Mesh, DVec2, f64),
+    room: &RoomProof,
+    rim: Option<&RimProof>,
+    draws: u64,
+) -> Result<MadeProof, DesignError> {
+    let progress = room.mirrored.progress;
+    progress.stage(Stage::Milling);
+    let ways = machining.ways(&mesh.at_optical_corner(margin), plate, progress)?;
+    let over_all = rim.filter(|rim| rim.counts).map(|rim| &rim.light);
+    let judging = |surface: Option<&OpenRelief>, _| {
+        let plate = plate_of(surface.ok_or(RecipeError::BareNearby)?, progress)?;
+        room.judged(plate.run(room.throwing()), over_all)
+    };
+    let proof = over_draws(machining, &ways, draws, &judging, progress)?;
+    let target = room.target(room.mirrored.measuring.resolution);
+    let central_spot = central_spot(&proof.measurement, &target, room.mirrored);
+    Ok(MadeProof { central_spot, ..proof })
+}
+
+/// [`prove_as_made`] where the passes over the plate are known.
 ///
 /// # Errors
 /// As [`prove_as_made`].
@@ -123,18 +161,9 @@ pub fn prove_along(
     mirrored: Mirrored,
 ) -> Result<MadeProof, DesignError> {
     let progress = mirrored.progress;
-    let mut found: Vec<(Measurement, Verdict)> = Vec::new();
-    let mut first = None;
-    for draw in 0..draws.max(1) {
-        if draw > 0 {
-            progress.stage(Stage::Milling);
-        }
-        let measurement = match machining.polished(ways, draw, progress)? {
-            Some(surface) => {
-                let light = traced(&surface, mirrored)?;
-                first.get_or_insert(surface);
-                light
-            }
+    let judging = |surface: Option<&OpenRelief>, draw: u64| {
+        let measurement = match surface {
+            Some(surface) => traced(surface, mirrored)?,
             None => {
                 let surface = machining.bare(ways, draw);
                 bare(|k, rows| surface.slopes(k, rows), blur, mirrored)?
@@ -144,13 +173,41 @@ pub fn prove_along(
         progress.stage(Stage::Scoring);
         let measurement = RimProof::over(rim, measurement);
         let verdict = Verdict::new(&measurement, target, mirrored.setup.view(), progress)?;
-        found.push((measurement, verdict));
+        Ok((measurement, verdict, None))
+    };
+    let proof = over_draws(machining, ways, draws, &judging, progress)?;
+    let central_spot = central_spot(&proof.measurement, target, mirrored);
+    Ok(MadeProof { central_spot, ..proof })
+}
+
+/// What is found of a surface, or of one that is not polished in the draw of that number: light, its figures, and those on a
+/// wall.
+type Judging<'a> =
+    dyn Fn(Option<&OpenRelief>, u64) -> Result<(Measurement, Verdict, Option<WallLight>), DesignError> + 'a;
+
+/// The proof of what the passes leave, looked at in each draw; its central spot is still to be found.
+fn over_draws(
+    machining: &Machining,
+    ways: &Ways,
+    draws: u64,
+    judging: &Judging,
+    progress: &Progress,
+) -> Result<MadeProof, DesignError> {
+    let mut found = Vec::new();
+    let mut first = None;
+    for draw in 0..draws.max(1) {
+        if draw > 0 {
+            progress.stage(Stage::Milling);
+        }
+        let surface = machining.polished(ways, draw, progress)?;
+        found.push(judging(surface.as_ref(), draw)?);
+        first = first.or(surface);
     }
-    let draws = found.iter().map(|(_, verdict)| verdict.main().tv_incident.value).collect();
-    let central_spot = found.first().map_or(0.0, |(measurement, _)| central_spot(measurement, target, mirrored));
-    let (measurement, verdict) = found.into_iter().next().ok_or(DesignError::NoLight)?;
+    let draws = found.iter().map(|(_, verdict, _)| verdict.main().tv_incident.value).collect();
+    let (measurement, verdict, on_wall) = found.into_iter().next().ok_or(DesignError::NoLight)?;
     let hours = ways.hours(&machining.machine, machining.passes.zigzag);
-    Ok(MadeProof { machining: machining.clone(), surface: first, measurement, verdict, draws, central_spot, hours })
+    let machining = machining.clone();
+    Ok(MadeProof { machining, surface: first, measurement, verdict, on_wall, draws, central_spot: 0.0, hours })
 }
 
 impl MadeProof {
@@ -168,15 +225,20 @@ impl MadeProof {
             machining: (&self.machining).into(),
             central_spot: self.central_spot,
             finishing_hours: self.hours,
+            on_wall: self.on_wall.as_ref().map(|light| (&light.verdict).into()),
         }
     }
 }
 
+/// A polished surface, ready for light.
+fn plate_of(surface: &OpenRelief, progress: &Progress) -> Result<TracedPlate, DesignError> {
+    let solid = sheet_solid(surface, THICKNESS, 0.0, progress)?;
+    Ok(TracedPlate::new(&solid, 0.0, progress)?)
+}
+
 /// Light over a polished surface.
 pub(super) fn traced(surface: &OpenRelief, mirrored: Mirrored) -> Result<Measurement, DesignError> {
-    let progress = mirrored.progress;
-    let solid = sheet_solid(surface, THICKNESS, 0.0, progress)?;
-    Ok(TracedPlate::new(&solid, 0.0, progress)?.run(mirrored)?)
+    Ok(plate_of(surface, mirrored.progress)?.run(mirrored)?)
 }
 
 /// Light of a plate that is not polished, whose slopes `slopes` tells of row k of n spread evenly over it: first bounces of

@@ -28,6 +28,8 @@ pub mod on_wall;
 
 pub mod proof;
 
+pub mod smeared;
+
 pub mod made;
 
 pub mod swept;
@@ -60,6 +62,8 @@ pub mod exports;
 
 pub mod patches;
 
+pub mod patch_estimate;
+
 pub mod patch_check;
 
 mod patch_report;
@@ -79,6 +83,7 @@ use design::{DesignError, OnStep, design, design_with_checkpoints};
 use made::made_by_machine;
 use preview::previewed;
 use proof::prove;
+use smeared::pass_angle;
 
 /// What is to be done.
 #[derive(Clone, Copy, Debug)]
@@ -144,7 +149,8 @@ impl Job<'_> {
         self.recipe.check()?;
         self.memory.admit(memory::need(self.recipe, light.width, self.proved))?;
         let made = design_with_checkpoints(self.recipe, light, from, on_step, progress)?;
-        let recipe = self.recipe.clone();
+        let mut recipe = self.recipe.clone();
+        recipe.machining.pass_angle = pass_angle(&recipe, light)?;
         if !self.proved {
             return Ok(Product { recipe, design: made, proof: None, comparison: None, goal: None });
         }
@@ -156,7 +162,7 @@ impl Job<'_> {
         let comparison = beside_facets(&recipe, light, &made, &proof, progress)?;
         let facets_win = comparison.is_some_and(|c| c.facets_are_better()) && recipe.leaves_the_kind_open();
         if !facets_win {
-            proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
+            proof.made = made_by_machine(&recipe, light, (&made, &proof), progress)?;
             return Ok(Product { recipe, design: made, proof: Some(proof), comparison, goal: None });
         }
         progress.stage(Stage::Facets);
@@ -165,7 +171,7 @@ impl Job<'_> {
         facets.ended_early |= made.ended_early;
         let made = facets;
         let mut proof = prove(&recipe, light, &made, progress)?;
-        proof.made = made_by_machine(&recipe, &made, &proof, progress)?;
+        proof.made = made_by_machine(&recipe, light, (&made, &proof), progress)?;
         Ok(Product { recipe, design: made, proof: Some(proof), comparison, goal: None })
     }
 }

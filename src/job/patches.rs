@@ -116,8 +116,7 @@ pub fn design_patches(
     recipe.check()?;
     let recipe = recipe.clone().with_patch_metal();
     let (patches, walls) = (recipe.patches(), recipe.patch_walls());
-    let bytes = BYTES_A_NODE * (patches.len() * patches.nodes * patches.nodes) as f64;
-    limit.admit(Need::new(bytes, "designing and proving the patches", "take fewer --patches or a smaller --grid"))?;
+    limit.admit(need(&patches))?;
     let mut clock = Clock::start();
     progress.stage(Stage::Sculpting);
     let viewer = viewer(&recipe);
@@ -158,6 +157,17 @@ pub fn design_patches(
     }
     product.seconds = clock.into_laps();
     Ok(product)
+}
+
+/// The memory that a plate of so many patches takes.
+pub fn need(patches: &Patches) -> Need {
+    let bytes = BYTES_A_NODE * (patches.len() * patches.nodes * patches.nodes) as f64;
+    Need::new(bytes, "designing and proving the patches", "take fewer --patches or a smaller --grid")
+}
+
+/// Paths for each pixel of a camera's picture of `side` pixels a side.
+pub(super) fn paths(recipe: &Recipe, side: usize) -> f64 {
+    (PATHS_A_RAY * recipe.verify.rays as f64 / (side * side) as f64).clamp(PATHS[0], PATHS[1])
 }
 
 fn viewer(recipe: &Recipe) -> Viewer {
@@ -211,14 +221,13 @@ pub(super) fn prove(
     let [theta, phi] = recipe.viewer().0;
     let (distance, border) = (recipe.viewer_distance(), recipe.plate.border);
     let side = resolution(patches);
-    let rays = (PATHS_A_RAY * recipe.verify.rays as f64 / (side * side) as f64).clamp(PATHS[0], PATHS[1]);
     let settings = ViewSettings {
         theta,
         phi,
         distance,
         field_of_view: field_of_view((patches.size + 2.0 * border).length(), distance),
         size: [side; 2],
-        rays: rays as u32,
+        rays: paths(recipe, side) as u32,
         seed: recipe.design.seed,
         ..ViewSettings::default()
     };

@@ -63,8 +63,14 @@ impl ProofPictures {
         });
         let made = proof.made.as_ref().map(|made| {
             let polish = made.machining.polish.map_or(String::new(), |sigma| format!(", {}", in_words(Some(sigma))));
-            let how = format!("by {}{polish}, ", made.machining.machine.name);
-            drawn.beside(&as_drawn(&made.measurement.whole.lit_image(), recipe), &made.verdict, &how)
+            let how = format!("by {}{polish}", made.machining.machine.name);
+            match (&proof.wall, &made.on_wall) {
+                (Some(wall), Some(light)) => wall_page(wall, light, view, &how, footer),
+                _ => {
+                    let image = as_drawn(&made.measurement.whole.lit_image(), recipe);
+                    drawn.beside(&image, &made.verdict, &format!("{how}, "))
+                }
+            }
         });
         progress.check()?;
         let simulated_picture = tone_mapped(&simulated, common_white(&drawn.sharp));

@@ -67,9 +67,9 @@ pub enum RecipeError {
     NoPolish,
     /// A proof that there is not.
     #[error(
-        "machine: the proof as made is for lamps and walls far away: leave it out, or the flags of lamp and wall nearby"
+        "machine: the proof as made in a room is of a polished plate: give --polish too, or leave out the flags of lamp and wall nearby"
     )]
-    MachineNearby,
+    BareNearby,
     /// What the machine cannot make.
     #[error(transparent)]
     Machining(#[from] MachiningError),
@@ -275,7 +275,7 @@ impl RecipeError {
             | Self::Machine(_)
             | Self::NoCutter
             | Self::NoPolish
-            | Self::MachineNearby => false,
+            | Self::BareNearby => false,
             Self::Scene(fault) => fault.is_impossible(),
             _ => true,
         }

@@ -6,6 +6,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::pass_angle::PassAngle;
 use crate::milling::machine::{Machine, PRESETS};
 
 /// How the plate is made; nothing of it is given where no machine is named.
@@ -15,9 +16,9 @@ pub struct MachiningSettings {
     /// From one pass to the next, mm; without it what the polish takes away, else a fiftieth of the cutter.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stepover: Option<f64>,
-    /// Direction of the passes, degrees from +x toward +y; without it along x.
+    /// Direction of the passes, degrees from +x toward +y, or the best that is found; without it along x.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pass_angle: Option<f64>,
+    pub pass_angle: Option<PassAngle>,
     /// Which way passes are cut; without it one way.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pass_order: Option<PassOrder>,

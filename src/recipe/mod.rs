@@ -2,6 +2,8 @@
 
 mod border_finish;
 
+mod pass_angle;
+
 mod one_or_two;
 
 mod cells;
@@ -44,6 +46,7 @@ pub use files::{FileSettings, Format, FormatError, Formats};
 pub use half_field::HalfField;
 pub use kind::SurfaceKind;
 pub use machining::{MachiningSettings, PassOrder};
+pub use pass_angle::{PassAngle, PassAngleError};
 pub use patches::{Angles, PatchSettings};
 pub use scene::{NearMethod, SceneFault, SceneSettings};
 pub use sections::{

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::settings::{SETTINGS, Section};
-use super::{MachiningSettings, PassOrder, Recipe, RecipeError, SurfaceKind};
+use super::{MachiningSettings, PassAngle, PassOrder, Recipe, RecipeError, SurfaceKind};
 use crate::cutter::Cutter;
 use crate::milling::made::Machining;
 use crate::milling::passes::Passes;
@@ -41,7 +41,7 @@ impl MachiningSettings {
             None => cutter.tip_diameter() / PASSES_A_DIAMETER,
         };
         let passes = Passes {
-            angle: self.pass_angle.unwrap_or(0.0).to_radians(),
+            angle: self.pass_angle.map_or(0.0, PassAngle::degrees).to_radians(),
             stepover: self.stepover.unwrap_or(usual),
             zigzag: self.pass_order == Some(PassOrder::Zigzag),
         };
@@ -66,8 +66,8 @@ impl Recipe {
             if self.machining.as_made_stl && machining.polish.is_none() && self.surface() == SurfaceKind::Sheet {
                 return Err(RecipeError::NoPolish);
             }
-            if self.is_near() {
-                return Err(RecipeError::MachineNearby);
+            if self.is_near() && machining.polish.is_none() {
+                return Err(RecipeError::BareNearby);
             }
             machining.check(DVec2::from(self.plate.size))?;
         }
@@ -101,6 +101,8 @@ mod tests {
         let wide = recipe.check().unwrap_err();
         assert!(wide.is_impossible() && wide.to_string().contains("0.25"), "{wide}");
         (recipe.machining.stepover, recipe.scene.wall) = (None, Some(500.0));
-        assert_eq!(recipe.machining(), Err(RecipeError::MachineNearby));
+        assert_eq!(recipe.machining(), Err(RecipeError::BareNearby));
+        recipe.design.sheet.polish = Some(0.04);
+        assert!(recipe.machining().is_ok());
     }
 }

@@ -9,7 +9,7 @@ pub struct EstimateReport {
     pub dry_run: bool,
     /// The plate with its rim, mm.
     pub plate_mm: [f64; 2],
-    /// Sides of a facet, or distance of a sheet's nodes, mm.
+    /// Sides of a facet, or distance of nodes, mm.
     pub pitch_mm: [f64; 2],
     /// What it is made of.
     #[serde(flatten)]
@@ -82,5 +82,12 @@ pub enum Parts {
         grid: usize,
         /// Cells along x and y.
         cells: [usize; 2],
+    },
+    /// Patches of a plate that is seen as a picture.
+    Patches {
+        /// How many along x and y.
+        patches: [usize; 2],
+        /// Distances of nodes along a side of a patch.
+        grid: usize,
     },
 }

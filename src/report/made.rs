@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::on_wall::WallScores;
 use super::scores::Scores;
 use crate::cutter::Cutter;
 use crate::milling::machine::Machine;
@@ -34,7 +35,8 @@ impl From<&Machining> for MachiningFacts {
             machine: machine.clone(),
             cutter: *cutter,
             stepover_mm: passes.stepover,
-            pass_angle_deg: passes.angle.to_degrees(),
+            // Without what the way through radians left.
+            pass_angle_deg: (1e9 * passes.angle.to_degrees()).round() / 1e9,
             zigzag: passes.zigzag,
             polish_mm: *polish,
             cusp_height_um: 1000.0 * machining.cusp_height(),
@@ -57,4 +59,7 @@ pub struct MadeFacts {
     pub central_spot: f64,
     /// Time of the finishing passes, hours.
     pub finishing_hours: f64,
+    /// Its light on the wall, in a scene that has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_wall: Option<WallScores>,
 }

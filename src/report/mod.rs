@@ -6,6 +6,8 @@
 
 pub mod scores;
 
+pub mod on_wall;
+
 pub mod made;
 
 pub mod goal;
@@ -13,8 +15,6 @@ pub mod goal;
 pub mod windows;
 
 pub mod fit;
-
-pub mod on_wall;
 
 pub mod thinned;
 

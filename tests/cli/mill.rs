@@ -76,6 +76,8 @@ fn what_makes_no_program_is_refused_in_a_sentence_and_leaves_nothing() {
         ("--machine vmc", 2, &["cutter"]),
         ("--machine vmc --cutter ball:1 --dialect fanuc", 2, &["--dialect", "grbl, linuxcnc"]),
         ("--machine vmc --cutter ball:1 --material cheese", 2, &["--material", "aluminium"]),
+        ("--machine vmc --cutter ball:1 --pass-angle best", 2, &["--pass-angle best", "degrees"]),
+        ("--machine vmc --cutter ball:1 --pass-angle north", 2, &["north", "best"]),
         ("--machine vmc --cutter ball:1 --allowance 9", 2, &["--allowance is 9", "0.01 to 5"]),
         ("--machine vmc --cutter ball:1 --rough-cutter flat:2 --rough-stepover 3", 2, &["--rough-stepover is 3"]),
         ("--machine vmc --cutter ball:30", 4, &["ball:30", "plate's smaller side"]),

@@ -3,6 +3,7 @@
 use std::fs;
 
 use super::program::{home, run_line};
+use super::reports::assert_published;
 use super::{assert_done, assert_refused, json};
 
 /// A sheet of four cells for a lamp and a wall at arm's length.
@@ -11,8 +12,9 @@ const NEAR: &str = "--size 12x12 --grid 48 --cells 2 --light 30,90 --lamp-distan
 #[test]
 fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_file() {
     let home = home();
-    let line =
-        format!("design ring.png -o plate {NEAR} --near warp --for-cutter ball:0.5 --border 2 --rays 100000 --verbose");
+    let line = format!(
+        "design ring.png -o plate {NEAR} --near warp --for-cutter ball:0.5 --polish 0.01 --border 2 --rays 100000 --verbose"
+    );
     let done = run_line(home.path(), &line);
     assert_done(&done);
     let report = json(home.path().join("plate/report.json"));
@@ -37,6 +39,18 @@ fn a_plate_for_a_room_is_proved_on_its_wall_as_designed_as_milled_and_from_its_f
         let told = again["on_wall"]["designed"]["tv_incident"][key].as_f64().unwrap();
         assert!((told - figure("designed", key)).abs() < 0.002, "{key}: {told}");
     }
+    // A machine with next to no faults leaves what an ideal cutter does; and the plate must be polished.
+    let made = "verify plate --rays 100000 --machine ultraprecision --stepover 0.02 -o made --verbose";
+    let done = run_line(home.path(), made);
+    assert_done(&done);
+    let proof = json(home.path().join("made/report.json"));
+    assert_published(&proof, "VerifyReport");
+    let made = |key: &str| proof["as_made"]["on_wall"]["tv_incident"][key].as_f64().unwrap();
+    for key in ["0.5deg", "1deg"] {
+        assert!((made(key) - figure("as_milled", key)).abs() < 0.003, "{key}: {} {wall}", made(key));
+    }
+    assert!(done.stdout.contains("as made") && home.path().join("made/comparison_made.png").exists(), "{done:?}");
+    assert_refused(&run_line(home.path(), "verify plate --machine vmc --polish 0"), 2, &["--machine", "--polish"]);
     // The design's own room, unless another wall is named; repeated it is no plate.
     assert_done(&run_line(home.path(), "measure plate -o seen --rays 100000"));
     let seen = &json(home.path().join("seen/report.json"))["measured"];

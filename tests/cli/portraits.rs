@@ -16,11 +16,24 @@ fn a_portrait_is_seen_on_the_plate_and_its_folder_says_how_to_look_at_it() {
     let home = home();
     let folder = |name: &str| home.path().join(name);
     let line = format!("design --portrait ring.png -o plate {SMALL} --for-cutter ball:0.5");
+    let dry = run_line(home.path(), &format!("{line} --dry-run --json"));
+    assert_done(&dry);
+    assert!(!folder("plate").exists(), "a dry run writes nothing");
     let told = run_line(home.path(), &line);
     assert_done(&told);
     assert!(told.told().contains("12 × 12 patches") && told.told().contains("likeness"), "{}", told.stdout);
     let report = json(folder("plate/report.json"));
     assert_published(&report, "PatchesReport");
+    let dry: Value = serde_json::from_str(&dry.stdout).unwrap();
+    assert_published(&dry, "EstimateReport");
+    assert_eq!((&dry["patches"], &dry["grid"]), (&report["patches"]["count"], &report["patches"]["nodes"]));
+    assert_eq!(
+        (&dry["stl_triangles_about"], &dry["stl_bytes_about"]),
+        (&report["stl"]["triangles"], &report["stl"]["bytes"])
+    );
+    let large = "design --portrait ring.png --size 12x12 --light 40,0 --grid 32 --dry-run --memory 60M";
+    let refused = run_line(home.path(), large);
+    assert!(refused.told().contains("This would be refused"), "{refused:?}");
     for scores in [&report["designed"], &report["as_milled"]] {
         assert!(scores["ssim"].as_f64().unwrap() > 0.9 && scores["tv"].as_f64().unwrap() < 0.1, "{scores}");
     }

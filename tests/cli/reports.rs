@@ -139,7 +139,8 @@ fn every_report_is_what_the_published_schema_says() {
         ("mill sheet --machine vmc --stepover 0.2 --polish 0.1 --rough-cutter flat:1 -o shop".into(), "MillReport"),
         ("verify facets/plate.stl --against ring.png -o proof --rays 20000".into(), "VerifyReport"),
         (
-            "verify sheet -o made --rays 20000 --machine vmc --polish 0.03 --draws 2 --at-most 0.9".into(),
+            "verify sheet -o made --rays 20000 --machine vmc --polish 0.03 --pass-angle best --draws 2 --at-most 0.9"
+                .into(),
             "VerifyReport",
         ),
         ("verify sheet/plate.stl --against ring.png -o wall --rays 20000 --wall 300 --margin 1".into(), "VerifyReport"),

@@ -4,10 +4,8 @@ use std::path::{Path, PathBuf};
 
 use facetmill::goal::spec::GoalSpec;
 use facetmill::goal::{Goal, GoalError};
-use facetmill::job::clock::wanted_threads;
 use facetmill::job::design::unavoidable_light;
 use facetmill::job::estimate::estimate;
-use facetmill::job::speed::relative_speed;
 use facetmill::job::{Job, Outcome, Product, exports, memory};
 use facetmill::memory::MemoryLimit;
 use facetmill::picture::Picture;
@@ -18,6 +16,7 @@ use facetmill::sculpt::checkpoint::Checkpoint;
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Table, tell};
+use crate::dry_run::tell_estimate;
 use crate::files::{OutputError, Place, Staged};
 use crate::interrupt::Run;
 use crate::snapshots::{self, Snapshots};
@@ -38,16 +37,9 @@ pub fn run(args: &DesignArgs, run: &Run) -> Result<(), Failure> {
         let stray = unavoidable_light(&recipe, &picture.light)?;
         let share = stray.map(|stray| stray.share);
         let about = estimate(&recipe, picture.light.width, !args.no_verify);
-        let about = about.on_machine(relative_speed(), wanted_threads(args.running.threads));
         let report = EstimateReport { least_stray_share: share, ..about };
-        let refused = limit.admit(memory::need(&recipe, picture.light.width, !args.no_verify)).err();
-        tell(&args.running, &report, |report| Table {
-            title: "Dry run: nothing was designed or written".into(),
-            rows: tables::estimate(&recipe, report),
-            notes: refused.iter().map(|refused| format!("This would be refused: {refused}.")).collect(),
-            ..Table::default()
-        })?;
-        return Ok(());
+        let need = memory::need(&recipe, picture.light.width, !args.no_verify);
+        return tell_estimate(args, &recipe, report, limit.admit(need));
     };
     // Before any work: a folder that cannot be written should not cost a minute.
     let inner: &[_] = if args.snapshots || args.resume { &[snapshots::FOLDER] } else { &[] };

@@ -4,12 +4,15 @@ use std::path::Path;
 
 use facetmill::glam::DVec2;
 use facetmill::job::findings::{MadeProof, Proof};
-use facetmill::job::made::{Lighting, prove_as_made};
+use facetmill::job::made::{Lighting, prove_as_made, prove_as_made_in_room};
+use facetmill::job::on_wall::RoomProof;
+use facetmill::job::smeared::pass_angle;
 use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::{Machine, PRESETS};
 use facetmill::milling::made::Machining;
 use facetmill::progress::Progress;
-use facetmill::recipe::{MachiningSettings, Recipe};
+use facetmill::raster::Raster;
+use facetmill::recipe::{MachiningSettings, PassAngle, Recipe, RecipeError};
 use facetmill::setup::Setup;
 
 use crate::args::{MachineArgs, MachiningArgs};
@@ -57,11 +60,8 @@ pub fn proved(
     recipe: &Recipe,
 ) -> Result<Option<Machining>, Failure> {
     let machining = of(args, settings, recipe)?;
-    if machining.is_some() && recipe.is_near() {
-        return Err(Failure::Usage(
-            "--machine: the proof as made is for lamps and walls far away; leave the scene's flags out, or take --machine none"
-                .into(),
-        ));
+    if recipe.is_near() && machining.as_ref().is_some_and(|machining| machining.polish.is_none()) {
+        return Err(Failure::Usage(format!("--{}", RecipeError::BareNearby)));
     }
     Ok(machining)
 }
@@ -98,17 +98,35 @@ impl Task {
         Ok(Self { machining, draws: draws.unwrap_or(1), plate })
     }
 
-    /// Light over the opened plate, whose rim of `margin` mm is no optical area, as it is made; `proof` has its target and
-    /// the light of that rim.
+    /// The same along the direction that `recipe`, made as `settings` say, is found to be best made for the drawing's `light`, if
+    /// that is asked for.
+    pub fn along_best(
+        mut self,
+        recipe: &Recipe,
+        settings: &MachiningSettings,
+        light: &Raster,
+    ) -> Result<Self, Failure> {
+        let recipe = Recipe { machining: settings.clone(), ..recipe.clone() };
+        let found = pass_angle(&recipe, light)?.map_or(0.0, PassAngle::degrees);
+        self.machining.passes.angle = found.to_radians();
+        Ok(self)
+    }
+
+    /// Light over the opened plate, whose rim of `margin` mm is no optical area, as it is made, for the drawing's `light`;
+    /// `proof` has its target and the light of that rim.
     pub fn done(
         &self,
         (recipe, opened, margin): (&Recipe, &Opened, f64),
-        (proof, setup): (&Proof, &Setup),
+        (light, proof, setup): (&Raster, &Proof, &Setup),
         progress: &Progress,
     ) -> Result<MadeProof, Failure> {
         let lighting = Lighting::new(recipe, setup);
-        let seen = lighting.seen(&proof.target, proof.rim.as_ref());
         let plate = (&opened.mesh, self.plate, margin);
-        Ok(prove_as_made(&self.machining, plate, seen, self.draws, lighting.mirrored(progress))?)
+        let (rim, mirrored) = (proof.rim.as_ref(), lighting.mirrored(progress));
+        if let Some(wall) = &proof.wall {
+            let room = RoomProof { recipe, light, scene: &wall.scene, mirrored };
+            return Ok(prove_as_made_in_room(&self.machining, plate, &room, rim, self.draws)?);
+        }
+        Ok(prove_as_made(&self.machining, plate, lighting.seen(&proof.target, rim), self.draws, mirrored)?)
     }
 }

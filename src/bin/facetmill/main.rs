@@ -46,6 +46,8 @@ mod astray;
 
 mod in_room;
 
+mod dry_run;
+
 mod portrait;
 
 mod against;

@@ -17,7 +17,7 @@ use facetmill::milling::made::Machining;
 use facetmill::milling::passes::Ways;
 use facetmill::milling::roughing::Roughing;
 use facetmill::progress::{Event, Progress, Stage};
-use facetmill::recipe::{BorderFinish, Recipe};
+use facetmill::recipe::{BorderFinish, PassAngle, Recipe};
 use facetmill::report::mill::MillReport;
 use facetmill::report::text;
 use facetmill::shop::blank::Blank;
@@ -132,6 +132,11 @@ fn asked(args: &MillArgs, recipe: &mut Recipe) -> Result<Machining, Failure> {
     };
     if recipe.machining.machine.is_none() {
         return Err(none());
+    }
+    if recipe.machining.pass_angle == Some(PassAngle::Best) {
+        return Err(Failure::Usage(
+            "--pass-angle best is found by design, plan and verify, which tell its degrees: give those here".into(),
+        ));
     }
     let mut machining = machining::of(&how, &recipe.machining, recipe)?.ok_or_else(none)?;
     if args.compensate {

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use facetmill::job::exports;
-use facetmill::job::patches::{Asked, PatchError, design_patches, on_patches, tones};
+use facetmill::job::patch_estimate::estimate_patches;
+use facetmill::job::patches::{Asked, PatchError, design_patches, need, on_patches, tones};
 use facetmill::memory::MemoryLimit;
 use facetmill::patches::maps::Maps;
 use facetmill::picture::{Picture, values};
@@ -14,6 +15,7 @@ use facetmill::report::patches::{PatchFacts, PatchScoreFacts, PatchesReport, Rea
 
 use crate::args::DesignArgs;
 use crate::console::{Failure, Table, tell};
+use crate::dry_run::tell_estimate;
 use crate::files::{Place, Staged};
 use crate::inputs;
 use crate::interrupt::Run;
@@ -36,8 +38,11 @@ pub fn run(args: &DesignArgs, recipe: &Recipe, file: Option<&Path>, run: &Run) -
         return Err(Failure::Usage(format!("--{flag} is not for a plate of patches: leave it out")));
     }
     let limit = args.running.memory();
-    let Some(folder) = args.output.as_deref() else {
-        return Err(Failure::Usage("a plate of patches needs a folder for its results: name one with -o DIR".into()));
+    let Some(folder) = args.output.as_deref().filter(|_| !args.dry_run) else {
+        // Its files are read all the same: what is wrong with them is worth knowing.
+        asked(recipe, &|name| beside(name, file), limit)?;
+        let admitted = limit.admit(need(&recipe.patches()));
+        return tell_estimate(args, recipe, estimate_patches(recipe, !args.no_verify), admitted);
     };
     let paths: Vec<PathBuf> = named(recipe).map(|(_, name)| beside(name, file)).collect();
     let mut read: Vec<&Path> = paths.iter().map(PathBuf::as_path).chain(file).collect();
@@ -73,7 +78,6 @@ fn foreign(args: &DesignArgs) -> Option<&'static str> {
         (args.scene.is_some(), "scene"),
         (args.snapshots, "snapshots"),
         (args.resume, "resume"),
-        (args.dry_run, "dry-run"),
     ];
     given.into_iter().find_map(|(given, flag)| given.then_some(flag))
 }

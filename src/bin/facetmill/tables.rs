@@ -40,7 +40,7 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
     let scored = made.or(milled).or(report.designed.as_ref().map(|scores| (scores, "comparison.png")));
     rows.extend(scored.map(|(scores, _)| light(scores)));
     rows.extend(report.as_made.as_ref().map(made_in_short));
-    rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
+    rows.extend(report.on_wall.iter().flat_map(|facts| on_wall_in_short(facts, report.as_made.as_ref())));
     rows.extend(report.goal.iter().filter_map(goal_in_short));
     rows.push(told("file", file(folder, report)));
     let picture = scored.map_or("relief.png", |(_, picture)| picture);
@@ -50,9 +50,10 @@ pub fn design_in_short(folder: &Path, report: &DesignReport) -> Vec<Row> {
 
 /// How it is made.
 fn made_in_short(made: &MadeFacts) -> Row {
-    let MachiningFacts { machine, cutter, stepover_mm, polish_mm, .. } = &made.machining;
+    let MachiningFacts { machine, cutter, stepover_mm, pass_angle_deg, polish_mm, .. } = &made.machining;
     let polish = in_words(*polish_mm);
-    let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart", machine.name);
+    let along = if *pass_angle_deg == 0.0 { String::new() } else { format!(" at {pass_angle_deg:.0}°") };
+    let passes = format!("{} with {cutter}, passes {stepover_mm} mm apart{along}", machine.name);
     told("made", format!("by {passes}, {:.1} h at {} mm/min; {polish}", made.finishing_hours, machine.feed))
 }
 
@@ -114,7 +115,7 @@ pub fn verify_in_short(folder: Option<&Path>, report: &VerifyReport) -> Vec<Row>
         light(scored),
         told("lost", lost),
     ];
-    rows.extend(report.on_wall.iter().flat_map(on_wall_in_short));
+    rows.extend(report.on_wall.iter().flat_map(|facts| on_wall_in_short(facts, report.as_made.as_ref())));
     rows.extend(report.goal.iter().filter_map(goal_in_short));
     rows.push(told("look", look));
     rows
@@ -171,7 +172,7 @@ pub fn design(report: &DesignReport) -> Vec<Row> {
         );
         table.push(row("holds beyond", format!("{:.0} m", 1e-3 * holds.lamp_and_wall_mm), meaning));
     }
-    table.extend(report.on_wall.iter().flat_map(on_wall));
+    table.extend(report.on_wall.iter().flat_map(|facts| on_wall(facts, report.as_made.as_ref())));
     table.extend(report.goal.iter().flat_map(goal));
     if let Some(milled) = &report.as_milled {
         let left = format!("{:.2} µm", milled.left_by_cutter_um);
@@ -258,6 +259,9 @@ pub fn estimate(recipe: &Recipe, report: &EstimateReport) -> Vec<Row> {
         Parts::Sheet { grid, cells: [across, up] } => {
             row("cells", format!("{across} × {up}"), format!("of {grid} × {grid} nodes"))
         }
+        Parts::Patches { grid, patches: [across, up] } => {
+            row("patches", format!("{across} × {up}"), format!("of {grid} × {grid} nodes"))
+        }
     };
     let about = |seconds: f64| format!("about {seconds:.1} s");
     let proof = report.verify_cpu_seconds_about;
@@ -300,7 +304,7 @@ pub fn verify(report: &VerifyReport) -> Vec<Row> {
         row("relief", relief, "from its lowest to its highest point"),
     ];
     table.extend(scores(&report.measured));
-    table.extend(report.on_wall.iter().flat_map(on_wall));
+    table.extend(report.on_wall.iter().flat_map(|facts| on_wall(facts, report.as_made.as_ref())));
     table.extend(report.goal.iter().flat_map(goal));
     if let Some(milled) = &report.as_milled {
         let likeness = format!("likeness {:.3}", Scores::main(&milled.scores.ssim));

@@ -79,6 +79,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
     };
     let (picture, goal) = against.picture(&mut recipe, &pose, limit)?;
     recipe.note_drawing(picture.original_size);
+    let task = task.map(|task| task.along_best(&recipe, &making, &picture.light)).transpose()?;
     let setup = pose(&recipe)?;
     let mut proof = proof(&args.plate, &mut recipe, &opened, (&picture, &setup, margin), &progress)?;
     let goal = match &goal {
@@ -90,7 +91,7 @@ pub fn run(args: &VerifyArgs, run: &Run) -> Result<(), Failure> {
         None => None,
     };
     if let Some(task) = task {
-        proof.made = Some(task.done((&recipe, &opened, margin), (&proof, &setup), &progress)?);
+        proof.made = Some(task.done((&recipe, &opened, margin), (&picture.light, &proof, &setup), &progress)?);
     }
     if staged.is_some() {
         progress.stage(Stage::Files);

@@ -1,5 +1,6 @@
 //! What a person is told of a wall nearby.
 
+use facetmill::report::made::MadeFacts;
 use facetmill::report::on_wall::{OnWallFacts, WallScores};
 
 use crate::rows::{Row, percent, row, told};
@@ -8,10 +9,11 @@ use crate::rows::{Row, percent, row, told};
 const FOCUSED: f64 = 0.05;
 
 /// The light on a wall nearby, and where that may stand.
-pub fn on_wall_in_short(facts: &OnWallFacts) -> Vec<Row> {
+pub fn on_wall_in_short(facts: &OnWallFacts, made: Option<&MadeFacts>) -> Vec<Row> {
     let in_a_line = |short: &str, [_, value, meaning]: Row| told(short, format!("{value} {meaning}"));
     let mut rows = vec![in_a_line("wall", light("on the wall", facts, &facts.designed))];
     rows.extend(facts.as_milled.iter().map(|milled| in_a_line("as milled", light("  as milled", facts, milled))));
+    rows.extend(made_on_wall(facts, made).map(|row| in_a_line("as made", row)));
     rows.extend(in_focus(facts).map(|row| in_a_line("in focus", row)));
     rows
 }
@@ -46,14 +48,20 @@ fn in_focus(facts: &OnWallFacts) -> Option<Row> {
     Some(row("in focus", ends, meaning))
 }
 
-/// A plate in its room.
-pub fn on_wall(facts: &OnWallFacts) -> Vec<Row> {
+/// What an eye sees of the light of the plate as made.
+fn made_on_wall(facts: &OnWallFacts, made: Option<&MadeFacts>) -> Option<Row> {
+    made.and_then(|made| made.on_wall.as_ref()).map(|scores| light("  as made", facts, scores))
+}
+
+/// A plate in its room, as a machine makes it too if one does.
+pub fn on_wall(facts: &OnWallFacts, made: Option<&MadeFacts>) -> Vec<Row> {
     let mut table = vec![
         row("lamp", facts.lamp_distance_mm.map_or("far".into(), metres), facts.lamp.clone()),
         row("wall", metres(facts.wall_distance_mm), facts.wall.clone()),
         light("on the wall", facts, &facts.designed),
     ];
     table.extend(facts.as_milled.iter().map(|milled| light("  as milled", facts, milled)));
+    table.extend(made_on_wall(facts, made));
     table.push(row("grain", percent(facts.designed.grain), "of the drawing's light, seen by that eye and not at 0.5°"));
     table.extend(in_focus(facts));
     if let Some(sun) = &facts.under_sun {

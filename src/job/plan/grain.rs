@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use crate::cutter::Cutter;
+use crate::job::smeared::Spread;
 use crate::milling::machine::Machine;
 use crate::milling::made::Machining;
 use crate::milling::passes::Passes;
@@ -28,15 +29,6 @@ const WAVES: usize = 32;
 /// Size of a plane that is not polished, in stepovers or cuts, and rows of slopes over it.
 const BARE: [f64; 2] = [40.0, 60.0];
 const ROWS: usize = 60;
-
-/// Slopes about those that were meant: root mean square along the passes and across them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Spread {
-    /// Along.
-    pub along: f64,
-    /// Across.
-    pub across: f64,
-}
 
 /// What one machine, cutter and stepover leave.
 #[derive(Clone, Copy, Debug, PartialEq)]

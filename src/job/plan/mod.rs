@@ -5,8 +5,6 @@
 
 mod follow;
 mod grain;
-mod light;
-
 pub mod model;
 
 pub mod search;
@@ -27,7 +25,7 @@ use crate::milling::made::Machining;
 use crate::milling::polish::in_words;
 use crate::picture::Picture;
 use crate::progress::{Progress, Stage};
-use crate::recipe::{Cells, PassOrder, Recipe, RecipeError, SurfaceKind};
+use crate::recipe::{Cells, PassAngle, PassOrder, Recipe, RecipeError, SurfaceKind};
 use model::Model;
 use search::{Choice, Free};
 
@@ -301,7 +299,8 @@ impl Task<'_> {
         recipe.plate.grid = Some(recipe.sculpting().grid.min(MOST_NODES));
         let machining = &mut recipe.machining;
         machining.machine = Some(self.machine.clone());
-        (machining.stepover, machining.pass_angle) = (Some(way.stepover), Some(angle.to_degrees().round()));
+        (machining.stepover, machining.pass_angle) =
+            (Some(way.stepover), Some(PassAngle::Degrees(angle.to_degrees().round())));
         machining.pass_order = machining.pass_order.filter(|order| *order == PassOrder::Zigzag);
         recipe
     }

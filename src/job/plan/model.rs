@@ -9,14 +9,14 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use super::follow::{followed, scaled};
-use super::grain::{Grain, Spread, cusps};
-use super::light::{Besides, Drawing};
+use super::grain::{Grain, cusps};
 use crate::cutter::Cutter;
 use crate::job::design::{DesignError, design};
+use crate::job::smeared::{Besides, Drawing, Spread};
 use crate::milling::machine::Machine;
 use crate::picture::Picture;
 use crate::progress::Progress;
-use crate::recipe::{MachiningSettings, Recipe, SurfaceKind};
+use crate::recipe::{MachiningSettings, PassAngle, Recipe, SurfaceKind};
 use crate::relief::periodic::PeriodicRelief;
 use crate::sculpt::tool::polished;
 
@@ -29,9 +29,6 @@ const QUICK_POLISH: f64 = 0.1;
 /// Stepovers at which planes are made, mm: the first, and each next one so many times as wide.
 const FIRST: f64 = 0.005;
 const TIMES: f64 = 2.0;
-
-/// Directions of passes that are tried over half a turn.
-const DIRECTIONS: usize = 12;
 
 /// What light misplaced by spread slopes is tabulated at: the first spread, and each next one so many times as wide.
 const LEAST_SPREAD: f64 = 2e-4;
@@ -132,7 +129,7 @@ impl Model {
         quick.machining = MachiningSettings::default();
         let made = design(&quick, &picture.light, &progress.hushed())?;
         let sheet = made.sheet.ok_or(DesignError::NoLight)?;
-        let drawing = Drawing::new(recipe, picture, made.distribution.mean).ok_or(DesignError::NoLight)?;
+        let drawing = Drawing::new(recipe, &picture.light, made.distribution.mean).ok_or(DesignError::NoLight)?;
         // Of many slopes one that is as steep as they are on the mean square; steps and decimals show on a slant.
         let slope = made.distribution.mean.to_vec() + made.distribution.spread * DVec2::new(0.6, 0.8);
         let mut model = Self {
@@ -155,8 +152,8 @@ impl Model {
         }
         model.uneven = uneven * QUICK_SIDE / QUICK_POLISH;
         model.angle = match recipe.machining.pass_angle {
-            Some(degrees) => degrees.to_radians(),
-            None => model.best_angle(),
+            Some(PassAngle::Degrees(degrees)) => degrees.to_radians(),
+            Some(PassAngle::Best) | None => model.drawing.best_angle(),
         };
         let spreads = (0..SPREADS).map(|k| LEAST_SPREAD * WIDER.powi(k as i32));
         model.by_spread = spreads.map(|s| (s, model.smeared(s, model.angle))).collect();
@@ -170,16 +167,6 @@ impl Model {
 
     fn smeared(&self, across: f64, angle: f64) -> f64 {
         self.drawing.misplaced(Spread { along: 0.0, across }, angle, None)
-    }
-
-    /// The direction in which cusps misplace least.
-    fn best_angle(&self) -> f64 {
-        let angle = |k: usize| std::f64::consts::PI * k as f64 / DIRECTIONS as f64;
-        // About passes a twentieth of the radius apart.
-        let figures = (0..DIRECTIONS).map(|k| (k, self.smeared(0.0145, angle(k))));
-        // Of directions as good as each other, along x: the table's own axis is the best that a machine has.
-        let least = |best: (usize, f64), next: (usize, f64)| if next.1 < 0.97 * best.1 { next } else { best };
-        figures.reduce(least).map_or(0.0, |(k, _)| angle(k))
     }
 
     /// Light misplaced where slopes are spread by `s`.

@@ -33,11 +33,13 @@ pub(super) const MAKING: [Setting; 6] = [
     Setting {
         name: "pass-angle",
         key: "machining.pass-angle",
-        form: Text("DEG"),
+        form: Text("DEG|best"),
         unit: Unit::Degrees,
         ranges: &[[-360.0, 360.0]],
         unset: "0",
-        help: "Direction of the passes, degrees from +x toward +y",
+        help: "Direction of the passes, degrees from +x toward +y, or best",
+        more: "best: of twelve directions the one in which cusps between passes misplace least of the drawing's light, which \
+               they spread across the passes; along x where none is better by 3 %. The recipe keeps the degrees.",
         at: |recipe| &mut recipe.machining.pass_angle,
         ..MACHINING
     },

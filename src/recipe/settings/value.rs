@@ -18,7 +18,7 @@ use crate::scene::room::Room;
 
 use super::super::{
     Angles, Arrangement, BorderFinish, Cells, FormatError, Formats, HalfField, Heights, LightSettings, NearMethod,
-    PassOrder, Seen, SurfaceKind,
+    PassAngle, PassOrder, Seen, SurfaceKind,
 };
 
 /// A number with or without a fraction.
@@ -236,6 +236,27 @@ impl Value for Option<Cutter> {
 
     fn numbers(&self) -> Vec<f64> {
         self.iter().map(|cutter| cutter.diameter()).collect()
+    }
+
+    fn clear(&mut self) {
+        *self = None;
+    }
+}
+
+impl Value for Option<PassAngle> {
+    fn read(&mut self, text: &str) -> Result<(), String> {
+        PassAngle::from_str(text).map(|angle| *self = Some(angle)).map_err(|error| error.to_string())
+    }
+
+    fn written(&self) -> Option<String> {
+        self.map(|angle| angle.to_string())
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            Some(PassAngle::Degrees(degrees)) => vec![*degrees],
+            _ => Vec::new(),
+        }
     }
 
     fn clear(&mut self) {

@@ -1,16 +1,16 @@
-//! What slopes that are spread make of a drawing: its light through a wider blur, against its light as it is looked at.
+//! What slopes that are spread make of a drawing: its light through a wider blur, against its light as it is looked at; and the
+//! direction of passes that spreads it least.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DMat2, DVec2};
 
-use super::grain::Spread;
+use super::design::{DesignError, slopes};
 use crate::fourier::WaveTransform;
 use crate::highlight::scored_target;
-use crate::picture::Picture;
 use crate::progress::{Cancelled, Progress};
 use crate::raster::Raster;
-use crate::recipe::Recipe;
+use crate::recipe::{PassAngle, Recipe};
 use crate::relief::periodic::PeriodicRelief;
 use crate::setup::Setup;
 use crate::slope::Slope;
@@ -21,6 +21,35 @@ use crate::verify::windows::FirstBounce;
 /// pixels wide at the usual half field; with twice as many pixels misplaced light changes by less than a fiftieth.
 const SIDE: usize = 128;
 const GRID: usize = 192;
+
+/// Directions of passes that are tried over half a turn.
+const DIRECTIONS: usize = 12;
+
+/// Root mean square of the slopes across passes for which the best direction is looked for: cusps between passes about a
+/// twentieth of the cutter's radius apart.
+const CUSPS: f64 = 0.0145;
+
+/// Slopes about those that were meant: root mean square along the passes and across them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Along.
+    pub along: f64,
+    /// Across.
+    pub across: f64,
+}
+
+/// The direction of `recipe`'s passes for the drawing's `light`: found, if the best is asked for.
+///
+/// # Errors
+/// The light has no slopes.
+pub fn pass_angle(recipe: &Recipe, light: &Raster) -> Result<Option<PassAngle>, DesignError> {
+    if recipe.machining.pass_angle != Some(PassAngle::Best) {
+        return Ok(recipe.machining.pass_angle);
+    }
+    let mean = slopes(recipe, light, &Progress::silent())?.mean;
+    let drawing = Drawing::new(recipe, light, mean).ok_or(DesignError::NoLight)?;
+    Ok(Some(PassAngle::Degrees(drawing.best_angle().to_degrees().round())))
+}
 
 /// A drawing, ready to be smeared.
 pub struct Drawing {
@@ -47,10 +76,10 @@ impl Besides {
 }
 
 impl Drawing {
-    /// The drawing of `picture`, as plates of `recipe` are scored against it; the middle of its slopes is `mean`.
-    pub fn new(recipe: &Recipe, picture: &Picture, mean: Slope) -> Option<Self> {
+    /// The drawing's `light`, as plates of `recipe` are scored against it; the middle of its slopes is `mean`.
+    pub fn new(recipe: &Recipe, light: &Raster, mean: Slope) -> Option<Self> {
         let setup = recipe.setup();
-        let target = scored_target(&picture.light, recipe.highlight.quantity, &setup, SIDE);
+        let target = scored_target(light, recipe.highlight.quantity, &setup, SIDE);
         let step = 1e-4;
         let image = |by: DVec2| setup.image_of_slope(Slope::from_vec(mean.to_vec() + by));
         let derivative = |axis: DVec2| Some((image(step * axis)? - image(-step * axis)?) / (2.0 * step));
@@ -75,6 +104,16 @@ impl Drawing {
         let (apart, lost) =
             (0..GRID * GRID).filter(inside).map(by).fold((0.0, 0.0), |(apart, lost), by| (apart + by.abs(), lost + by));
         0.5 * (apart + f64::abs(lost))
+    }
+
+    /// The direction in which cusps misplace least, radians.
+    pub fn best_angle(&self) -> f64 {
+        let angle = |k: usize| PI * k as f64 / DIRECTIONS as f64;
+        let spread = Spread { along: 0.0, across: CUSPS };
+        let figures = (0..DIRECTIONS).map(|k| (k, self.misplaced(spread, angle(k), None)));
+        // Of directions as good as each other, along x: the table's own axis is the best that a machine has.
+        let least = |best: (usize, f64), next: (usize, f64)| if next.1 < 0.97 * best.1 { next } else { best };
+        figures.reduce(least).map_or(0.0, |(k, _)| angle(k))
     }
 
     /// What the light of `relief`'s first bounces differs by from the drawing, as it is looked at.
@@ -107,4 +146,34 @@ fn on_grid(image: &Raster) -> Vec<f64> {
         light[row * GRID..row * GRID + SIDE].copy_from_slice(values);
     }
     light
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::milling::machine::Machine;
+
+    /// Five soft bars across the picture's middle, which lie along `along`, radians from +x toward +y.
+    fn bars(along: f64) -> Raster {
+        let (along, n) = (DVec2::from_angle(along), 96);
+        Raster::from_fn(n, n, |x, y| {
+            let at = DVec2::new(x as f64 - 47.5, 47.5 - y as f64) / 48.0;
+            let (on, aside) = (along.dot(at), along.perp_dot(at));
+            let ends = (-(on / 0.35).powi(4)).exp() * (-(aside / 0.5).powi(4)).exp();
+            ends * (aside * 30.0).cos().max(0.0)
+        })
+    }
+
+    #[test]
+    fn passes_lie_across_the_bars_of_a_drawing_so_that_cusps_spread_light_along_them() {
+        let mut recipe = Recipe::default();
+        recipe.machining.machine = Machine::preset("vmc");
+        for (degrees, across) in [(0.0f64, 90.0), (90.0, 0.0), (45.0, 135.0), (120.0, 30.0)] {
+            let light = bars(degrees.to_radians());
+            recipe.machining.pass_angle = Some(PassAngle::Best);
+            assert_eq!(pass_angle(&recipe, &light).unwrap(), Some(PassAngle::Degrees(across)), "{degrees}");
+            recipe.machining.pass_angle = Some(PassAngle::Degrees(7.0));
+            assert_eq!(pass_angle(&recipe, &light).unwrap(), Some(PassAngle::Degrees(7.0)));
+        }
+    }
 }
