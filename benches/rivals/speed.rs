@@ -1,7 +1,8 @@
-//! Four jobs that other programs can do too, timed in CPU seconds of one thread. `run.py` beside it runs both sides.
+//! Five jobs that other programs can do too, timed in CPU seconds of one thread. `run.py` beside it runs both sides.
 //!
 //! ```text
 //! speed paths DIR N           mirror paths over the plate that `facetmill design` left in DIR, by either tracer
+//! speed free PLATE.stl N      mirror paths over any mesh, in the cells of a grid if it is a height field, and in a tree
 //! speed noise DIR             a highlight image of that plate down to a noise of 0.002
 //! speed w1 A.png B.png        the exact transport distance between two highlights, 64 × 64 pixels
 //! speed assignment DIR COST   DIR's facets to their places, exactly; leaves the cost matrix in COST (f64, little-endian)
@@ -43,11 +44,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()?;
     let outcome = match words.as_slice() {
         ["paths", directory, paths] => paths_over(directory.as_ref(), paths.parse::<f64>()?.sqrt() as usize),
+        ["free", file, paths] => free_paths_over(file.as_ref(), paths.parse::<f64>()?.sqrt() as usize),
         ["noise", directory] => noise_of(directory.as_ref()),
         ["w1", a, b] => distance(a.as_ref(), b.as_ref()),
         ["assignment", directory, cost] => assignment(directory.as_ref(), cost.as_ref()),
         _ => {
-            Err("usage: speed paths DIR N | speed noise DIR | speed w1 A.png B.png | speed assignment DIR COST".into())
+            Err("usage: speed paths DIR N | speed free PLATE.stl N | speed noise DIR | speed w1 A.png B.png | speed assignment DIR COST".into())
         }
     }?;
     println!("{outcome}");
@@ -80,13 +82,28 @@ fn paths_over(directory: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
     let setup = Setup::new(0.0, 0.0, 1e-9, Projection::Orthographic, 0.35);
     let measuring = Measuring { rays: (side * side) as u64, ..Measuring::default() };
     let (_, measured) = timed(|| measure(&Experiment::new(&grid, &setup), &measuring, &Progress::silent()));
-    let (surface, planting) = timed(|| MeshSurface::new(&mesh, 0.0));
+    let (surface, planting) = timed(|| MeshSurface::in_tree(&mesh, 0.0));
     let surface = surface?;
     let (also, by_mesh) = timed(|| trace(&surface, side));
     Ok(json!({
         "triangles": mesh.triangles.len(), "paths": side * side, "escaped": escaped, "escaped_mesh": also,
         "bytes_a_facet": grid.bytes() as f64 / grid.facets() as f64,
         "seconds": { "grid": by_grid, "finding": finding, "mesh": by_mesh, "measure": measured, "planting": planting },
+    }))
+}
+
+/// The same paths over the triangles of any mesh, as they are traced where they are on no grid of nodes, and in a tree alone.
+fn free_paths_over(file: &Path, side: usize) -> Result<Value, Box<dyn Error>> {
+    let mesh = read_stl(&mut File::open(file)?)?;
+    let (surface, building) = timed(|| MeshSurface::new(&mesh, 0.0));
+    let (tree, planting) = timed(|| MeshSurface::in_tree(&mesh, 0.0));
+    let (surface, tree) = (surface?, tree?);
+    let (escaped, tracing) = timed(|| trace(&surface, side));
+    let (also, in_tree) = timed(|| trace(&tree, side));
+    Ok(json!({
+        "triangles": mesh.triangles.len(), "paths": side * side, "in_cells": surface.is_field(),
+        "escaped": escaped, "escaped_tree": also,
+        "seconds": { "building": building, "paths": tracing, "planting": planting, "tree": in_tree },
     }))
 }
 

@@ -150,7 +150,7 @@ pub(super) fn slopes(recipe: &Recipe, light: &Raster, progress: &Progress) -> Re
 }
 
 /// The light that is to be sent, sharpened if lamp or metal blur it, if most of it lies above the plate.
-pub(super) fn wanted(
+fn wanted(
     recipe: &Recipe,
     light: &Raster,
     setup: &Setup,

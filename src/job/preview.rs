@@ -5,9 +5,8 @@
 //! every triangle, without rays: nothing is known of shadows, of second bounces or of what a cutter leaves. A preview that
 //! is made after another begins from that one's relief.
 
-use super::design::{Design, DesignError, wanted};
+use super::design::{Design, DesignError, slopes};
 use super::findings::Proof;
-use crate::distribution::SlopeDistribution;
 use crate::highlight::scored_target;
 use crate::progress::{Progress, Stage};
 use crate::raster::Raster;
@@ -62,11 +61,9 @@ pub fn preview(
     let mut recipe = recipe.clone();
     recipe.design.sheet.preview = true;
     recipe.check()?;
-    let setup = recipe.setup();
     let side = light.width.min(DRAWING);
     let drawing = if side < light.width { light.resampled(side, side) } else { light.clone() };
-    let (highlight, _) = wanted(&recipe, &drawing, &setup, progress)?;
-    let distribution = SlopeDistribution::new(&highlight, &setup, &recipe.design.distribution, |_| 1.0)?;
+    let distribution = slopes(&recipe, &drawing, progress)?;
     let sculpting = recipe.sculpting();
     let from = before.and_then(|before| before.adapted(&sculpting, distribution.spread));
     let sheet = sculpt(&distribution, &sculpting, from, &mut |_| {}, progress)?;

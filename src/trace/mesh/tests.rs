@@ -278,11 +278,32 @@ fn a_tree_deeper_than_the_crate_allows_is_searched_all_the_same() {
     }
 }
 
+/// `mesh` turned about z, so that its edges run along no axis.
+fn turned(mesh: &Mesh, angle: f64) -> Mesh {
+    let about = DVec2::from_angle(angle);
+    let turn = |&[x, y, z]: &[f32; 3]| {
+        let at = about.rotate(DVec2::new(f64::from(x), f64::from(y))).as_vec2();
+        [at.x, at.y, z]
+    };
+    Mesh { vertices: mesh.vertices.iter().map(turn).collect(), triangles: mesh.triangles.clone() }
+}
+
+/// Slots 1 mm deep between flat tops, closed, in the square from 0 to 24 mm: walls that nothing shares an edge with from above.
+fn slots() -> Mesh {
+    let profile: Vec<(f32, f32)> = (0..24)
+        .flat_map(|k| [k as f32, k as f32 + 1.0].map(|x| (x, if k % 2 == 0 { 2.0 } else { 1.0 + 0.02 * k as f32 })))
+        .collect();
+    let mut mesh = prism(&profile);
+    mesh.vertices.iter_mut().for_each(|vertex| vertex[1] *= 24.0 / WIDTH as f32);
+    mesh
+}
+
 #[test]
 fn cells_and_tree_find_the_same_hits_and_the_same_ways_out() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(11);
-    for climb in [0.1, 0.4, 2.0] {
-        let mesh = field(24, climb, &mut random);
+    let mut meshes: Vec<Mesh> = [0.1, 0.4, 2.0].map(|climb| field(24, climb, &mut random)).into();
+    meshes.extend([turned(&meshes[1], 0.52), slots(), turned(&slots(), 0.3)]);
+    for mesh in meshes {
         let (cells, tree) = (MeshSurface::new(&mesh, 0.0).unwrap(), MeshSurface::in_tree(&mesh, 0.0).unwrap());
         assert!(cells.is_field() && !tree.is_field());
         for k in 0..40_000 {
