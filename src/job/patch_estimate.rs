@@ -7,17 +7,17 @@ use crate::report::estimate::{EstimateReport, Parts};
 use crate::verify::patch_view::resolution;
 
 /// CPU seconds of finding one patch's bowl, on the machine of [`estimate`](super::estimate::estimate)'s times. Plates of 100 to
-/// 3600 patches took between 0.7 and 1.0 ms each.
-const BOWL: f64 = 8.5e-4;
+/// 3600 patches took between 1.2 and 1.7 ms each.
+const BOWL: f64 = 1.44e-3;
 
 /// CPU seconds of looking at a plate: each path from the camera, and each node, whose triangles are looked for in the mesh.
-const VIEW: (f64, f64) = (3.6e-7, 5.5e-7);
+const VIEW: (f64, f64) = (6.1e-7, 9.3e-7);
 
 /// CPU seconds of looking at the plate as cut: each path, and each node, over which the cutter is led at four places.
-const CUT_VIEW: (f64, f64) = (3.6e-7, 8e-7);
+const CUT_VIEW: (f64, f64) = (6.1e-7, 1.35e-6);
 
 /// CPU seconds of the files: of any plate, and for each node.
-const FILES: (f64, f64) = (0.2, 6e-7);
+const FILES: (f64, f64) = (0.34, 1e-6);
 
 /// What the plate of patches of `recipe` will be; `proved` if it is to be looked at. Times are as exact as those of
 /// [`estimate`](super::estimate::estimate), and triangles are exact but for a border.
@@ -61,16 +61,16 @@ mod tests {
 
     #[test]
     fn varied_plates_take_what_their_dry_runs_say() {
-        // Side in mm, patches a side, ball in mm, rays; CPU seconds of a release build on a busy machine, files and all, times
-        // the speed that it had before and after.
+        // Side in mm, patches a side, ball in mm, rays; CPU seconds of a release build on a machine of speed 0.93, files and
+        // all, times that.
         for (side, count, ball, rays, measured) in [
-            (60.0, 60, Some(0.5), 2_000_000, 10.2),
-            (30.0, 30, Some(0.3), 500_000, 4.4),
-            (40.0, 20, Some(0.5), 2_000_000, 5.7),
-            (60.0, 60, None, 2_000_000, 5.6),
-            (100.0, 60, None, 4_000_000, 9.6),
-            (60.0, 30, Some(1.0), 2_000_000, 6.7),
-            (20.0, 10, None, 100_000, 0.51),
+            (60.0, 60, Some(0.5), 2_000_000, 16.7),
+            (30.0, 30, Some(0.3), 500_000, 7.5),
+            (40.0, 20, Some(0.5), 2_000_000, 9.8),
+            (60.0, 60, None, 2_000_000, 9.7),
+            (100.0, 60, None, 4_000_000, 14.8),
+            (60.0, 30, Some(1.0), 2_000_000, 11.1),
+            (20.0, 10, None, 100_000, 0.89),
         ] {
             let mut recipe = Recipe::default();
             recipe.plate.size = [side; 2];
