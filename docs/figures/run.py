@@ -271,6 +271,17 @@ def triangles():
 
 
 @group
+def triangles_on_wall():
+    """docs/relief.md: a portrait in a room, written whole and as the default: as milled the likeness at the eye's blur, TV(0.5)
+    and TV(1), with megabytes; about eight CPU minutes."""
+    for flags in ["--fine", ""]:
+        said = report("portrait", f"--light 45,0 --lamp-distance 500 --wall 1000 --for-cutter ball:0.5 {flags}")
+        milled = said["on_wall"]["as_milled"]
+        misplaced = ", ".join(f"{tv(milled, blur):.4f}" for blur in ["0.5deg", "1deg"])
+        row(flags, f"{milled['ssim']['eye']:.3f}", misplaced, f"{megabytes(said):.1f} MB")
+
+
+@group
 def coupons():
     """docs/milling.md: test pieces of ten machines, scanned and photographed, and what is read; about ten CPU minutes."""
     for words in [["10"], ["10", "0", "photographs"]]:

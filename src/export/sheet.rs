@@ -7,7 +7,7 @@ use crate::progress::{Cancelled, Progress};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::NodeGrid;
 use crate::relief::rim::Rim;
-use crate::relief::thinned::Thinned;
+use crate::relief::thinned::{Thinned, Tiled};
 
 /// Least number of single-precision steps between nodes: rounded by half a step each, they stay in order and their
 /// distance changes by an eighth at worst.
@@ -48,8 +48,9 @@ pub fn sheet_solid(
             mesh.triangles.extend(if relief.rises(i, j) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
         }
     }
-    let around = border(&[nx, ny].map(|n| (0..n).collect()), |i, j| (j * nx + i) as u32);
-    whole.closed(mesh, around, [nx - 1, ny - 1])
+    let sides = [nx, ny, nx, ny];
+    let around = border(&sides.map(|n| (0..n).collect()), |i, j| (j * nx + i) as u32);
+    whole.closed(mesh, around, sides.map(|n| n - 1))
 }
 
 /// The solid body under a thinned sheet, as [`sheet_solid`] closes one that is not.
@@ -57,23 +58,23 @@ pub fn sheet_solid(
 /// # Errors
 /// As of [`sheet_solid`].
 pub fn thinned_solid(
-    thinned: &Thinned,
+    thinned: &Thinned<impl Tiled>,
     thickness: f64,
     rim: impl Into<Rim>,
     progress: &Progress,
 ) -> Result<Mesh, SheetError> {
     let rim = rim.into();
     let relief = &thinned.relief;
-    let ([nx, ny], n) = (relief.plate_nodes(), relief.nodes);
+    let ([nx, ny], tiles, squares) = (relief.plate_nodes(), relief.tiles(), relief.squares());
     let whole = Whole::of(relief, thickness, rim)?;
     let mut mesh = Mesh::default();
     // Numbers of the nodes that are corners.
     let mut numbers = vec![u32::MAX; nx * ny];
-    for [column, row] in (0..relief.cells[0] * relief.cells[1]).map(|k| [k % relief.cells[0], k / relief.cells[0]]) {
+    for [column, row] in (0..tiles[0] * tiles[1]).map(|k| [k % tiles[0], k / tiles[0]]) {
         progress.check()?;
         mesh.triangles.extend(thinned.triangles.iter().map(|corners| {
             corners.map(|[i, j]| {
-                let (i, j) = (column * n + i as usize, row * n + j as usize);
+                let (i, j) = (column * squares[0] + i as usize, row * squares[1] + j as usize);
                 let number = &mut numbers[j * nx + i];
                 if *number == u32::MAX {
                     *number = mesh.vertices.len() as u32;
@@ -83,15 +84,9 @@ pub fn thinned_solid(
             })
         }));
     }
-    // The last corner of a cell is the first of the next.
-    let [along_x, along_y] = thinned.along_sides();
-    let over = |along: &[usize], cells: usize| {
-        let cell = |cell: usize| along[..along.len() - 1].iter().map(move |at| cell * n + at);
-        (0..cells).flat_map(cell).chain([cells * n]).collect::<Vec<usize>>()
-    };
-    let lines = [over(&along_x, relief.cells[0]), over(&along_y, relief.cells[1])];
-    let around = border(&lines, |i, j| numbers[j * nx + i]);
-    whole.closed(mesh, around, lines.map(|line| line.len() - 1))
+    let sides = thinned.along_rim();
+    let around = border(&sides, |i, j| numbers[j * nx + i]);
+    whole.closed(mesh, around, sides.map(|side| side.len() - 1))
 }
 
 /// Node (i, j) as it is written: adding zero turns -0 into 0, which readers may or may not tell apart.
@@ -134,9 +129,9 @@ impl Whole {
         Ok(Self { rim, low, base, size, triangles })
     }
 
-    /// `mesh` with rim, sides and base, whose loop `around` starts at the lower left corner and has `sides` edges along x and
-    /// along y.
-    fn closed(self, mut mesh: Mesh, mut around: Vec<u32>, sides: [usize; 2]) -> Result<Mesh, SheetError> {
+    /// `mesh` with rim, sides and base, whose loop `around` starts at the lower left corner and has `sides` edges along each of
+    /// its sides in turn.
+    fn closed(self, mut mesh: Mesh, mut around: Vec<u32>, sides: [usize; 4]) -> Result<Mesh, SheetError> {
         let Self { rim, low, base, size, .. } = self;
         if rim.width > 0.0 {
             around = lowered(&mut mesh, &around, low as f32 + 0.0);
@@ -152,20 +147,17 @@ impl Whole {
     }
 }
 
-/// The nodes around the plate, counter-clockwise seen from above, of those that stand on `lines` along x and along y; node
-/// (i, j) has number `number(i, j)`.
-fn border(lines: &[Vec<usize>; 2], number: impl Fn(usize, usize) -> u32) -> Vec<u32> {
-    let [along_x, along_y] = lines;
-    let [(Some(&east), to_east), (Some(&north), to_north)] =
-        [along_x, along_y].map(|line| (line.last(), &line[..line.len().saturating_sub(1)]))
-    else {
+/// The nodes around the plate, counter-clockwise seen from above, of those that stand at `sides` along its lower, right, upper
+/// and left side, each ascending with both ends; node (i, j) has number `number(i, j)`.
+fn border(sides: &[Vec<usize>; 4], number: impl Fn(usize, usize) -> u32) -> Vec<u32> {
+    let [south, east, north, west] = sides;
+    let (Some((&right, to_right)), Some((&top, to_top))) = (south.split_last(), east.split_last()) else {
         return Vec::new();
     };
-    let south_side = to_east.iter().map(|&i| number(i, 0));
-    let east_side = to_north.iter().map(|&j| number(east, j));
-    let north_side = along_x[1..].iter().rev().map(|&i| number(i, north));
-    let west_side = along_y[1..].iter().rev().map(|&j| number(0, j));
-    south_side.chain(east_side).chain(north_side).chain(west_side).collect()
+    let (to_left, to_bottom) = (north.iter().skip(1).rev(), west.iter().skip(1).rev());
+    let south = to_right.iter().map(|&i| number(i, 0));
+    let east = to_top.iter().map(|&j| number(right, j));
+    south.chain(east).chain(to_left.map(|&i| number(i, top))).chain(to_bottom.map(|&j| number(0, j))).collect()
 }
 
 /// A vertical wall below a counter-clockwise loop, down to height `z`; the loop at its foot. Nodes that stand there
@@ -203,11 +195,11 @@ fn widened(mesh: &mut Mesh, inner: &[u32], width: f64, size: DVec2) -> Vec<u32> 
     outer
 }
 
-/// A falling band around a counter-clockwise loop of `squares` squares a side that starts at the lower left corner; the
-/// loop at its outer side. Nodes move straight outward; a corner becomes three, so that each side is one plane and each
+/// A falling band around a counter-clockwise loop that starts at the lower left corner and has `sides` edges along each side in
+/// turn; the loop at its outer side. Nodes move straight outward; a corner becomes three, so that each side is one plane and each
 /// corner another.
-fn sloped(mesh: &mut Mesh, inner: &[u32], rim: Rim, squares: [usize; 2]) -> Vec<u32> {
-    let corners = [0, squares[0], squares[0] + squares[1], 2 * squares[0] + squares[1]];
+fn sloped(mesh: &mut Mesh, inner: &[u32], rim: Rim, sides: [usize; 4]) -> Vec<u32> {
+    let corners = [0, sides[0], sides[0] + sides[1], sides[0] + sides[1] + sides[2]];
     // Outward from the side that ends in a corner, and from the one that begins there.
     let outward = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
     let (mut from, mut to) = (Vec::new(), Vec::new());

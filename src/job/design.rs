@@ -5,9 +5,9 @@ mod error;
 pub use error::DesignError;
 
 use super::clock::Clock;
-use super::near::NearDesign;
+use super::near::{NearDesign, NearSheet};
 use super::sentences::{WORTH_TELLING, stray_sentence};
-use super::thinning::{Thinning, thinning};
+use super::thinning::{Thinning, thinned, thinned_in_room};
 use crate::distribution::SlopeDistribution;
 use crate::export::sheet::{sheet_solid, thinned_solid};
 use crate::export::solid::solid;
@@ -23,6 +23,8 @@ use crate::recipe::{Arrangement, Heights, Recipe, SurfaceKind};
 use crate::relief::faceted::{Facet, FacetedRelief};
 use crate::relief::mesh::Mesh;
 use crate::relief::open::NodeGrid;
+use crate::relief::rim::Rim;
+use crate::relief::thinned::{Thinned, Tiled};
 use crate::sculpt::bound::Unavoidable;
 use crate::sculpt::checkpoint::Checkpoint;
 use crate::sculpt::stages::{Sheet, least_stray, sculpt};
@@ -215,19 +217,39 @@ fn continuous(
     let ended_early = ended_early || near.is_some() && progress.is_to_finish();
     progress.stage(Stage::Solid);
     let (thickness, rim) = (recipe.plate.thickness, recipe.rim(&distribution.setup));
-    let thinning = thinning(recipe, &sheet.relief, (stepwise.light, &distribution.setup), progress)?;
-    if let Some(thinning) = &thinning {
-        sheet.relief = thinning.thinned.relief.clone();
-    }
-    let (mesh, relief) = match (near.as_ref().and_then(|near| near.sheet.as_ref()), &thinning) {
-        (Some(near), _) => (sheet_solid(&near.relief, thickness, rim, progress)?, near.relief.faceted()),
-        (_, Some(thinning)) => (thinned_solid(&thinning.thinned, thickness, rim, progress)?, sheet.relief.faceted()),
-        _ => (sheet_solid(&sheet.relief, thickness, rim, progress)?, sheet.relief.faceted()),
+    let (light, setup) = (stepwise.light, &distribution.setup);
+    let room = near.as_mut().and_then(|near| Some((near.sheet.as_mut()?, near.field.scene())));
+    let (mesh, thinning) = match room {
+        Some((NearSheet { relief, .. }, scene)) => {
+            let thinned = thinned_in_room(recipe, relief, (light, setup, scene), progress)?;
+            closed(relief, thinned, (thickness, rim), progress)?
+        }
+        None => {
+            let thinned = thinned(recipe, &sheet.relief, (light, setup), progress)?;
+            closed(&mut sheet.relief, thinned, (thickness, rim), progress)?
+        }
     };
     progress.check()?;
-    let relief = relief.with_rim(rim);
+    let planes = match near.as_ref().and_then(|near| near.sheet.as_ref()) {
+        Some(near) => near.relief.faceted(),
+        None => sheet.relief.faceted(),
+    };
+    let relief = planes.with_rim(rim);
     clock.lap(Stage::Solid);
     Ok(Shaped { facets: None, sheet: Some(sheet), least_stray, thinning, near, relief, mesh, ended_early })
+}
+
+/// The solid body of a sheet, which becomes as it is thinned.
+fn closed<R: Tiled>(
+    relief: &mut R,
+    thinned: Option<(Thinned<R>, Thinning)>,
+    (thickness, rim): (f64, Rim),
+    progress: &Progress,
+) -> Result<(Mesh, Option<Thinning>), DesignError> {
+    let Some((thinned, found)) = thinned else { return Ok((sheet_solid(relief, thickness, rim, progress)?, None)) };
+    let mesh = thinned_solid(&thinned, thickness, rim, progress)?;
+    *relief = thinned.relief;
+    Ok((mesh, Some(found)))
 }
 
 fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {

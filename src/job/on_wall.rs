@@ -1,5 +1,6 @@
 //! The proof of a plate in its room: light thrown on the wall of its scene, as designed and as its cutter leaves it.
 
+use super::cut_sheet::cut_plate;
 use super::design::{Design, DesignError};
 use super::findings::{MilledProof, Proof, RimProof, WallDiffraction, WallLight, WallProof};
 use super::scene_facts::{in_words, mirror_miss, sag, stopped_by_lamp};
@@ -18,7 +19,6 @@ use crate::report::on_wall::{CellsOnWall, DiffractionOnWall, OnWallFacts, UnderS
 use crate::scene::Scene;
 use crate::sculpt::detail::WAVELENGTH;
 use crate::sculpt::milled_facets::milled_facets;
-use crate::sculpt::room::milling::{milled, usual_tool};
 use crate::sculpt::room::objective::polished;
 use crate::sculpt::room::plate_grid::PlateGrid;
 use crate::trace::Surface;
@@ -292,23 +292,9 @@ impl RoomProof<'_> {
     }
 
     fn over_milled_sheet(&self, relief: &OpenRelief) -> Result<ThrownMilled, DesignError> {
-        let (cutter, polish) = (self.recipe.design.sheet.cutter, self.recipe.design.sheet.polish);
         let progress = self.mirrored.progress;
-        let grid = PlateGrid::of(relief, cutter);
-        let written = grid.embedded(relief);
-        let (grid, heights, left) = match cutter {
-            None => (grid, written, 0.0),
-            Some(cutter) => {
-                let cut = milled(&grid, &written, &usual_tool(&grid, cutter), progress)?;
-                let left = cut.most_left();
-                (cut.grid, cut.heights, left)
-            }
-        };
-        let heights = match polish {
-            Some(sigma) => polished(&grid, heights, sigma),
-            None => heights,
-        };
-        let surface = grid.plate(&heights).height_grid(progress)?;
+        let (cut, left) = cut_plate(self.recipe, relief, progress)?;
+        let surface = cut.height_grid(progress)?;
         progress.check()?;
         Ok((self.throwing().on(&GridSurface::continuous(&surface, progress)?), left))
     }

@@ -1,35 +1,50 @@
 //! The triangles of a sheet's file: fewer of them where slopes change little, as few as its light or the recipe allows.
 
-use super::cut_sheet::CutSheet;
-use crate::highlight::scored_target;
+use super::cut_sheet::{CutSheet, cut_plate};
+use crate::highlight::{Quantity, scored_target};
 use crate::progress::{Cancelled, Progress};
 use crate::raster::Raster;
 use crate::recipe::Recipe;
 use crate::recipe::file_size::FileSize;
+use crate::relief::open::OpenRelief;
 use crate::relief::periodic::PeriodicRelief;
-use crate::relief::thinned::Thinned;
-use crate::sculpt::bisection::Bisection;
+use crate::relief::thinned::{Thinned, Tiled};
+use crate::scene::Scene;
+use crate::sculpt::bisection::{Bisection, HALF_LOST, HALF_LOST_ON_WALL};
 use crate::setup::Setup;
 use crate::sharpen::seen;
+use crate::trace::grid::GridSurface;
+use crate::verify::elsewhere::scored_directly;
 use crate::verify::score::blurred_scores;
+use crate::verify::thrown::ACROSS;
 use crate::verify::verdict::MAIN_BLUR;
 use crate::verify::windows::FirstBounce;
 
-/// By how much a thinned sheet's figures may be worse than the whole one's: misplaced light at 1° and at 0.5°, likeness at
-/// 0.5°. What a cutter of 0.5 mm loses beside the drawing is several times as much.
-const WORSE: [f64; 3] = [0.0015, 0.002, 0.005];
+/// What a thinned sheet is held to.
+struct Standard {
+    /// By how much its figures may be worse than the whole one's.
+    worse: Figures,
+    /// Difference of slopes at which half of the light counts as lost.
+    half_lost: f64,
+    /// By how much more triangles there are from one trial to the next.
+    more: f64,
+}
+
+/// Far away, likeness is at 0.5°. What a cutter of 0.5 mm loses beside the drawing is several times as much.
+const FAR: Standard = Standard { worse: [0.0015, 0.002, 0.005], half_lost: HALF_LOST, more: 1.4 };
+
+/// On a wall, likeness is at the eye's blur: it wants so many triangles that smaller strides are worth their trials.
+const ON_WALL: Standard = Standard { worse: [0.0015, 0.002, 0.01], half_lost: HALF_LOST_ON_WALL, more: 1.25 };
 
 /// The blur at which detail is compared, degrees.
 const DETAIL_BLUR: f64 = 0.5;
 
-/// By how much more triangles there are from one trial to the next.
-const MORE: f64 = 1.4;
+/// The share of the whole file's triangles beyond which it is written whole.
+const WORTH_IT: f64 = 0.7;
 
-/// A sheet in fewer triangles than its grid has.
-#[derive(Clone, Debug)]
+/// What was found of a sheet in fewer triangles than its grid has.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thinning {
-    /// The sheet.
-    pub thinned: Thinned,
     /// Triangles of the whole file without it.
     pub full: usize,
     /// Misplaced light at 1° by first bounces, as made: of the thinned sheet, and of the whole one.
@@ -38,17 +53,73 @@ pub struct Thinning {
     pub within_limits: bool,
 }
 
-/// `relief` in as few triangles as `recipe` wants; `None` if it is to be written whole, or must be to keep its light.
+/// Misplaced light at 1° and at 0.5°, and likeness.
+type Figures = [f64; 3];
+
+/// How sheets are judged.
+struct Judging<'a, R> {
+    /// The figures of a surface; `None` if no light falls on it.
+    figures: &'a dyn Fn(&R) -> Result<Option<Figures>, Cancelled>,
+    /// A sheet as its cutter and polish leave it.
+    made: &'a dyn Fn(&R) -> Result<R, Cancelled>,
+    standard: Standard,
+}
+
+/// `relief`, which is lit from far away, in as few triangles as `recipe` wants; `None` if it is to be written whole, or must be
+/// to keep its light.
 ///
 /// # Errors
 /// The work is abandoned.
-pub(super) fn thinning(
+pub(super) fn thinned(
     recipe: &Recipe,
     relief: &PeriodicRelief,
     (light, setup): (&Raster, &Setup),
     progress: &Progress,
-) -> Result<Option<Thinning>, Cancelled> {
-    let full = recipe.triangles(relief.nodes);
+) -> Result<Option<(Thinned<PeriodicRelief>, Thinning)>, Cancelled> {
+    let target = || scored_target(light, recipe.highlight.quantity, setup, recipe.measuring().resolution);
+    let target = std::cell::LazyCell::new(target);
+    let blur = recipe.blur(setup);
+    let figures = |relief: &PeriodicRelief| {
+        let light = FirstBounce::new(relief, setup, (target.width, target.height), progress)?;
+        let Some(sent) = light.window([0, 0], relief.nodes) else { return Ok(None) };
+        let image = blur.as_ref().map_or_else(|| sent.clone(), |blur| seen(&sent, blur));
+        let at = |blur: f64| blurred_scores(&image, 1.0, &target, setup.view(), blur.to_radians());
+        Ok(at(MAIN_BLUR).zip(at(DETAIL_BLUR)).map(|(main, fine)| [main.tv_incident, fine.tv_incident, fine.ssim]))
+    };
+    let made = |relief: &PeriodicRelief| Ok(CutSheet::of(recipe, relief, progress)?.relief);
+    fewest(recipe, relief, &Judging { figures: &figures, made: &made, standard: FAR }, progress)
+}
+
+/// The same of a sheet over a whole plate, whose light lands on the wall of `scene`.
+///
+/// # Errors
+/// The work is abandoned.
+pub(super) fn thinned_in_room(
+    recipe: &Recipe,
+    relief: &OpenRelief,
+    (light, setup, scene): (&Raster, &Setup, &Scene),
+    progress: &Progress,
+) -> Result<Option<(Thinned<OpenRelief>, Thinning)>, Cancelled> {
+    let target = std::cell::LazyCell::new(|| scored_target(light, Quantity::Flux, setup, ACROSS));
+    let figures = |relief: &OpenRelief| {
+        let surface = GridSurface::continuous(&relief.height_grid(progress)?, progress)?;
+        let scores = scored_directly(&surface, scene, (&target, recipe.eye_distance()), progress);
+        progress.check()?;
+        Ok(scores.map(|scores| [scores.tv[1], scores.tv[0], scores.ssim_eye]))
+    };
+    let made = |relief: &OpenRelief| Ok(cut_plate(recipe, relief, progress)?.0);
+    fewest(recipe, relief, &Judging { figures: &figures, made: &made, standard: ON_WALL }, progress)
+}
+
+fn fewest<R: Tiled>(
+    recipe: &Recipe,
+    relief: &R,
+    judging: &Judging<R>,
+    progress: &Progress,
+) -> Result<Option<(Thinned<R>, Thinning)>, Cancelled> {
+    let (tiles, squares) = (relief.tiles(), relief.squares());
+    let surface = [0, 1].map(|axis| tiles[axis] * squares[axis]);
+    let full = recipe.file_triangles(surface);
     let (mut most, kept) = match recipe.file_size() {
         FileSize::Whole => return Ok(None),
         FileSize::AtMost(most) => (most as f64, true),
@@ -57,57 +128,37 @@ pub(super) fn thinning(
     if full <= most {
         return Ok(None);
     }
-    let Some(mut cover) = Bisection::new(relief) else { return Ok(None) };
-    let target = scored_target(light, recipe.highlight.quantity, setup, recipe.measuring().resolution);
-    let figures = |relief: &PeriodicRelief| figures(recipe, relief, setup, &target, progress);
-    let Some(whole) = figures(relief)? else { return Ok(None) };
+    let Judging { figures, made, standard } = judging;
+    let Some(mut cover) = Bisection::new(relief, standard.half_lost) else { return Ok(None) };
+    let is_made = recipe.design.sheet.cutter.is_some() || recipe.design.sheet.polish.is_some();
+    let Some(written) = figures(relief)? else { return Ok(None) };
+    let Some(whole) = (if is_made { figures(&made(relief)?)? } else { Some(written) }) else { return Ok(None) };
+    let within = |now: &Figures, whole: &Figures| {
+        let by = [now[0] - whole[0], now[1] - whole[1], whole[2] - now[2]];
+        by.iter().zip(standard.worse).all(|(by, worse)| *by <= worse)
+    };
     // Sides and base, of a plate whose rim all nodes are corners of.
-    let cells = relief.cells.iter().product::<usize>();
-    let around = full - recipe.surface_triangles(relief.nodes);
+    let around = full - 2.0 * surface.map(|n| n as f64).iter().product::<f64>();
     loop {
-        cover.refine(((most - around) / cells as f64) as usize, progress)?;
+        cover.refine(((most - around) / tiles.iter().product::<usize>() as f64) as usize, progress)?;
         let thinned = cover.thinned();
-        let Some(now) = figures(&thinned.relief)? else { return Ok(None) };
-        let within_limits = now.iter().zip(&whole).all(|(now, whole)| within(now, whole));
-        if within_limits || kept {
-            let misplaced = [&now, &whole].map(|figures| figures.last().map_or(f64::NAN, |made| made[0]));
-            return Ok(Some(Thinning { thinned, full: full as usize, misplaced, within_limits }));
+        let Some(mut now) = figures(&thinned.relief)? else { return Ok(None) };
+        let mut within_limits = within(&now, &written);
+        // A cutter led over it takes longer than all else, and is not asked in vain.
+        if is_made && (within_limits || kept) {
+            let Some(cut) = figures(&made(&thinned.relief)?)? else { return Ok(None) };
+            (now, within_limits) = (cut, within_limits && within(&cut, &whole));
         }
-        most *= MORE;
+        if within_limits || kept {
+            let found = Thinning { full: full as usize, misplaced: [now[0], whole[0]], within_limits };
+            return Ok(Some((thinned, found)));
+        }
+        most *= standard.more;
         // A file that saves little is no reason to change the relief.
-        if MORE * most > 2.0 * full {
+        if most > WORTH_IT * full {
             return Ok(None);
         }
     }
-}
-
-fn within(now: &[f64; 3], whole: &[f64; 3]) -> bool {
-    let [tv, tv_detail, ssim] = [now[0] - whole[0], now[1] - whole[1], whole[2] - now[2]];
-    tv <= WORSE[0] && tv_detail <= WORSE[1] && ssim <= WORSE[2]
-}
-
-/// Misplaced light at 1° and at 0.5° and the likeness at 0.5°, by first bounces: as written, and as made if it is for a cutter
-/// or polish. `None` if no light falls on it.
-fn figures(
-    recipe: &Recipe,
-    relief: &PeriodicRelief,
-    setup: &Setup,
-    target: &Raster,
-    progress: &Progress,
-) -> Result<Option<Vec<[f64; 3]>>, Cancelled> {
-    let blur = recipe.blur(setup);
-    let of = |relief: &PeriodicRelief| {
-        let light = FirstBounce::new(relief, setup, (target.width, target.height), progress)?;
-        let Some(sent) = light.window([0, 0], relief.nodes) else { return Ok(None) };
-        let image = blur.as_ref().map_or_else(|| sent.clone(), |blur| seen(&sent, blur));
-        let at = |blur: f64| blurred_scores(&image, 1.0, target, setup.view(), blur.to_radians());
-        Ok(at(MAIN_BLUR).zip(at(DETAIL_BLUR)).map(|(main, fine)| [main.tv_incident, fine.tv_incident, fine.ssim]))
-    };
-    let mut all = vec![of(relief)?];
-    if recipe.design.sheet.cutter.is_some() || recipe.design.sheet.polish.is_some() {
-        all.push(of(&CutSheet::of(recipe, relief, progress)?.relief)?);
-    }
-    Ok(all.into_iter().collect())
 }
 
 #[cfg(test)]
@@ -130,20 +181,23 @@ mod tests {
         assert!(plate.thinning.is_none(), "a grid that was asked for is written");
         let sheet = plate.sheet.unwrap().relief;
         let relief = PeriodicRelief { nodes: 384, heights: sampled(&sheet, 384), ..sheet };
-        let thin = |recipe: &Recipe| thinning(recipe, &relief, (&ring, &plate.distribution.setup), &silent).unwrap();
+        let thin = |recipe: &Recipe| {
+            let made = thinned(recipe, &relief, (&ring, &plate.distribution.setup), &silent).unwrap();
+            made.map(|(thinned, found)| (thinned.count(), found))
+        };
         assert!(thin(&recipe).is_none());
         recipe.plate.grid = None;
-        let made = thin(&recipe).unwrap();
+        let (count, made) = thin(&recipe).unwrap();
         // Triangles of 8 squares are this sheet's own.
         assert!(made.within_limits && made.full == 1_188_864, "{}", made.full);
-        assert!((400_000..=490_784).contains(&made.thinned.count()), "{}", made.thinned.count());
-        assert!((made.misplaced[0] - made.misplaced[1]).abs() < WORSE[0], "{:?}", made.misplaced);
+        assert!((400_000..=490_784).contains(&count), "{}", count);
+        assert!((made.misplaced[0] - made.misplaced[1]).abs() < FAR.worse[0], "{:?}", made.misplaced);
         let fine = Recipe { plate: crate::recipe::PlateSettings { fine: true, ..recipe.plate }, ..recipe.clone() };
         assert!(thin(&fine).is_none());
         recipe.design.sheet.cutter = Some(Cutter::ball(0.5));
         recipe.plate.max_triangles = Some(200_000);
-        let made = thin(&recipe).unwrap();
-        assert!((180_000..=190_784).contains(&made.thinned.count()), "{}", made.thinned.count());
+        let (count, _) = thin(&recipe).unwrap();
+        assert!((180_000..=190_784).contains(&count), "{}", count);
         // What is too few for this sheet is left to a design on a coarser grid.
         recipe.plate.max_triangles = Some(50_000);
         assert!(thin(&recipe).is_none());

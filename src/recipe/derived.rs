@@ -46,7 +46,12 @@ impl Recipe {
 
     /// Triangles of the file of a sheet whose cells have `grid` nodes a side, or a few more.
     pub(crate) fn triangles(&self, grid: usize) -> f64 {
-        let [columns, rows] = self.cells().map(|cells| (cells * grid) as f64);
+        self.file_triangles(self.cells().map(|cells| cells * grid))
+    }
+
+    /// Triangles of the file of a sheet of `squares` along x and y, or a few more.
+    pub(crate) fn file_triangles(&self, squares: [usize; 2]) -> f64 {
+        let [columns, rows] = squares.map(|n| n as f64);
         // The sides and the base have three for each edge around the plate; a rim has four more.
         let around = 2.0 * (columns + rows);
         2.0 * columns * rows + around * if self.plate.border > 0.0 { 7.0 } else { 3.0 }

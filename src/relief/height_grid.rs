@@ -48,6 +48,17 @@ impl HeightGrid {
     }
 }
 
+/// By how much both triangles of a square rise along x and along y over one distance of nodes, in the unit of its corners'
+/// heights: the lower one first; and whether it [`rises`].
+pub fn triangle_rises(corners: [f64; 4]) -> ([[f64; 2]; 2], bool) {
+    let ([z00, z10, z01, z11], rises) = (corners, rises(corners));
+    let triangles = match rises {
+        true => [[z10 - z00, z11 - z10], [z11 - z01, z01 - z00]],
+        false => [[z10 - z00, z01 - z00], [z11 - z01, z11 - z10]],
+    };
+    (triangles, rises)
+}
+
 /// Whether the higher diagonal of a square runs from its lower left to its upper right corner; where both are alike it
 /// does not.
 ///

@@ -8,9 +8,9 @@ pub mod height_grid;
 
 pub mod periodic;
 
-pub mod thinned;
-
 pub mod open;
+
+pub mod thinned;
 
 pub mod mesh;
 

@@ -54,13 +54,7 @@ impl PeriodicRelief {
     /// By how much, in mm, both triangles of square (i, j) of the plate rise along x and along y over one distance of nodes,
     /// about the mean plane: the lower one first; and whether the square [`rises`](Self::rises).
     pub fn triangle_rises(&self, i: usize, j: usize) -> ([[f64; 2]; 2], bool) {
-        let corners = self.corners(i, j);
-        let ([z00, z10, z01, z11], rises) = (corners, height_grid::rises(corners));
-        let triangles = match rises {
-            true => [[z10 - z00, z11 - z10], [z11 - z01, z01 - z00]],
-            false => [[z10 - z00, z01 - z00], [z11 - z01, z11 - z10]],
-        };
-        (triangles, rises)
+        height_grid::triangle_rises(self.corners(i, j))
     }
 
     /// Heights of the corners of square (i, j), as [`height_grid::rises`] takes them.

@@ -2,36 +2,109 @@
 
 use std::collections::BTreeSet;
 
+use super::open::{NodeGrid, OpenRelief};
 use super::periodic::PeriodicRelief;
+
+/// A sheet of equal tiles, of which one tells all: the cells of a periodic one, or an open one that is a single tile.
+pub trait Tiled: NodeGrid + Clone {
+    /// Tiles along x and y.
+    fn tiles(&self) -> [usize; 2];
+
+    /// Whether a tile goes on into itself across its opposite sides.
+    fn is_joined(&self) -> bool;
+
+    /// Which of [`heights`](Self::heights) is that of node `at` of the first tile, all four sides included.
+    fn index(&self, at: [usize; 2]) -> usize;
+
+    /// Heights of a tile about its mean plane, mm.
+    fn heights(&self) -> &[f32];
+
+    /// The same sheet of other heights.
+    fn with_heights(&self, heights: Vec<f32>) -> Self;
+
+    /// Squares of a tile along x and y.
+    fn squares(&self) -> [usize; 2] {
+        let (nodes, tiles) = (self.plate_nodes(), self.tiles());
+        [0, 1].map(|axis| (nodes[axis] - 1) / tiles[axis])
+    }
+}
+
+impl Tiled for PeriodicRelief {
+    fn tiles(&self) -> [usize; 2] {
+        self.cells
+    }
+
+    fn is_joined(&self) -> bool {
+        true
+    }
+
+    fn index(&self, [i, j]: [usize; 2]) -> usize {
+        j % self.nodes * self.nodes + i % self.nodes
+    }
+
+    fn heights(&self) -> &[f32] {
+        &self.heights
+    }
+
+    fn with_heights(&self, heights: Vec<f32>) -> Self {
+        Self { heights, ..self.clone() }
+    }
+}
+
+impl Tiled for OpenRelief {
+    fn tiles(&self) -> [usize; 2] {
+        [1, 1]
+    }
+
+    fn is_joined(&self) -> bool {
+        false
+    }
+
+    fn index(&self, [i, j]: [usize; 2]) -> usize {
+        j * self.nodes[0] + i
+    }
+
+    fn heights(&self) -> &[f32] {
+        &self.heights
+    }
+
+    fn with_heights(&self, heights: Vec<f32>) -> Self {
+        Self { heights, ..self.clone() }
+    }
+}
 
 /// A relief whose triangles are larger than its grid's squares where that serves.
 ///
 /// Corners are nodes of the grid. Sides run along the axes or halfway between them, so that each triangle covers whole
-/// squares and halves of squares; neighbours share whole sides. The triangles of a cell repeat with it.
+/// squares and halves of squares; neighbours share whole sides. The triangles of a tile repeat with it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Thinned {
-    /// Heights of all nodes of a cell: on the triangles, where no corner stands. Its own squares differ from the triangles
+pub struct Thinned<R> {
+    /// Heights of all nodes of a tile: on the triangles, where no corner stands. Its own squares differ from the triangles
     /// in one thing: a valley along a diagonal of squares is folded the other way within each, half as high there as
     /// its fold.
-    pub relief: PeriodicRelief,
-    /// Columns and rows of the corners of a cell's triangles, counter-clockwise seen from above, each 0 to the number of
-    /// nodes a side.
+    pub relief: R,
+    /// Columns and rows of the corners of a tile's triangles, counter-clockwise seen from above, each 0 to the number of
+    /// squares a side.
     pub triangles: Vec<[[u32; 2]; 3]>,
 }
 
-impl Thinned {
+impl<R: Tiled> Thinned<R> {
     /// Triangles of the whole plate's upper side.
     pub fn count(&self) -> usize {
-        self.relief.cells[0] * self.relief.cells[1] * self.triangles.len()
+        self.relief.tiles().iter().product::<usize>() * self.triangles.len()
     }
 
-    /// Columns of the corners on a cell's lower side, and rows of those on its left one, ascending, both ends included: on
-    /// the opposite sides they are the same.
-    pub fn along_sides(&self) -> [Vec<usize>; 2] {
-        [0, 1].map(|axis| {
-            let corners = self.triangles.iter().flatten().filter(|corner| corner[1 - axis] == 0);
-            corners.map(|corner| corner[axis] as usize).collect::<BTreeSet<_>>().into_iter().collect()
-        })
+    /// Where corners stand along the rim of the plate, in squares from its lower left corner, ascending, both ends included:
+    /// along its lower, right, upper and left side.
+    pub fn along_rim(&self) -> [Vec<usize>; 4] {
+        let (tiles, squares) = (self.relief.tiles(), self.relief.squares());
+        let along = |axis: usize, line: usize| {
+            let corners = self.triangles.iter().flatten().filter(|corner| corner[1 - axis] as usize == line);
+            let of_tile: BTreeSet<usize> = corners.map(|corner| corner[axis] as usize).collect();
+            let over = |tile: usize| of_tile.iter().map(move |at| tile * squares[axis] + at);
+            (0..tiles[axis]).flat_map(over).collect::<BTreeSet<_>>().into_iter().collect()
+        };
+        [along(0, 0), along(1, squares[0]), along(0, squares[1]), along(1, 0)]
     }
 }
 

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::score::distance;
 use super::tally::PARTS;
-use super::thrown::{MARGIN, plate_origin};
-use super::wall_verdict::{WALL_BLURS, blurred, widened};
+use super::thrown::{ACROSS, MARGIN, plate_origin};
+use super::wall_verdict::{WALL_BLURS, WallScores, blurred, widened};
 use crate::lamp::{DistantLamp, Lamp};
 use crate::progress::Progress;
 use crate::projection::View;
@@ -140,13 +140,13 @@ impl<S: Surface> Over<'_, S> {
     /// Misplaced light at a blur of 0.5° in a scene, of what lies `within` two corners; `None` if nothing is lit, or
     /// abandoned.
     fn misplaced(&self, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Option<f64> {
-        let image = self.image(scene, within)?;
+        let image = self.image(SIDE, scene, within)?;
         Some(0.5 * (apart(scene, &image, self.wanted)? + 1.0 - image.sum()))
     }
 
-    /// The light itself, as shares of what is lit.
-    fn image(&self, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Option<Raster> {
-        let (facets, side) = (self.surface.facets(), (MARGIN * SIDE as f64) as usize);
+    /// The light itself on `across` pixels across the picture, as shares of what is lit.
+    fn image(&self, across: usize, scene: &Scene, within: Option<(DVec2, DVec2)>) -> Option<Raster> {
+        let (facets, side) = (self.surface.facets(), (MARGIN * across as f64) as usize);
         let part = |part: usize| {
             let mut image = Raster::zeros(side, side);
             let mut incident = 0.0;
@@ -193,6 +193,18 @@ fn apart(scene: &Scene, a: &Raster, b: &Raster) -> Option<f64> {
     Some(distance(&blurred(a, sigma), &blurred(b, sigma)))
 }
 
+/// The figures of a surface's light on the wall of `scene`, piece by piece, against a drawing on [`ACROSS`] pixels that is looked
+/// at from so many mm away; `None` if nothing is lit, or abandoned.
+pub fn scored_directly<S: Surface>(
+    surface: &S,
+    scene: &Scene,
+    (target, eye_distance): (&Raster, f64),
+    progress: &Progress,
+) -> Option<WallScores> {
+    let over = Over { surface, origin: plate_origin(surface), wanted: target, progress };
+    WallScores::new(&over.image(ACROSS, scene, None)?, target, scene, eye_distance)
+}
+
 /// By how much light on the wall of `scene` changes from one surface to others of the same size, as total variation at a
 /// blur of 0.5°; `None` if one of them is not lit, or abandoned.
 pub fn change<'a, S: Surface>(
@@ -202,7 +214,7 @@ pub fn change<'a, S: Surface>(
 ) -> Option<impl Fn(&S) -> Option<f64> + use<'a, S>> {
     let thrown = move |surface: &S| {
         let nothing = Raster::zeros(1, 1);
-        Over { surface, origin: plate_origin(surface), wanted: &nothing, progress }.image(scene, None)
+        Over { surface, origin: plate_origin(surface), wanted: &nothing, progress }.image(SIDE, scene, None)
     };
     let before = thrown(from)?;
     Some(move |surface: &S| Some(0.5 * apart(scene, &before, &thrown(surface)?)?))

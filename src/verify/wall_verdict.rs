@@ -72,6 +72,29 @@ impl WallVerdict {
     }
 }
 
+/// What counts when two surfaces are compared by their light on a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WallScores {
+    /// Misplaced light at [`WALL_BLURS`].
+    pub tv: [f64; 2],
+    /// Likeness to the drawing at the eye's blur.
+    pub ssim_eye: f64,
+}
+
+impl WallScores {
+    /// Scores `image`, shares of the light on the plate on [`WHOLE`] pixels, against `target` on [`ACROSS`] as
+    /// [`WallVerdict::new`] does; `None` in a scene without a wall.
+    pub fn new(image: &Raster, target: &Raster, scene: &Scene, eye_distance: f64) -> Option<Self> {
+        let pixel = 2.0 * scene.wall()?.half / ACROSS as f64;
+        let (wanted, own) = (widened(target), image.sum());
+        let [eye, fine, main] = wall_blurs(scene, eye_distance).map(|mm| {
+            let sigma = mm / pixel;
+            scores(&blurred(image, sigma), &blurred(&wanted, sigma), own)
+        });
+        Some(Self { tv: [fine[0], main[0]], ssim_eye: eye[1] })
+    }
+}
+
 /// Likeness to the drawing at the eye's blur of light that something else spreads first, by a Gaussian of `spread` mm.
 pub fn likeness_once_spread(
     thrown: &Measurement,
@@ -101,6 +124,17 @@ pub(super) fn blurred(image: &Raster, sigma: f64) -> Raster {
     gaussian(image, (sigma, sigma), 5.0, Edge::Dark)
 }
 
+/// Misplaced light and likeness of an image whose blurred light is `seen`, as is `wanted`; `own` is the share of the light on
+/// the plate that lands in the image.
+fn scores(seen: &Raster, wanted: &Raster, own: f64) -> [f64; 2] {
+    let misplaced = 0.5 * (distance(seen, wanted) + (1.0 - own).max(0.0));
+    let (inner, drawn) = (cropped(seen), cropped(wanted));
+    let light = inner.sum();
+    let likeness =
+        if light > 0.0 { structural_similarity(&inner.scaled(1.0 / light), &drawn.normalised()) } else { 0.0 };
+    [misplaced, likeness]
+}
+
 /// Total variation and likeness at each blur; shares in the picture and lost; grain.
 fn figures(tally: &Tally, wanted: &[Raster; 3], sigmas: [f64; 3]) -> [f64; 9] {
     let image = tally.lit_image().scaled(tally.up());
@@ -108,11 +142,7 @@ fn figures(tally: &Tally, wanted: &[Raster; 3], sigmas: [f64; 3]) -> [f64; 9] {
     let mut values = [0.0; 9];
     let seen: [Raster; 3] = std::array::from_fn(|b| blurred(&image, sigmas[b]));
     for (b, (seen, wanted)) in seen.iter().zip(wanted).enumerate() {
-        values[2 * b] = 0.5 * (distance(seen, wanted) + (1.0 - own).max(0.0));
-        let (inner, drawn) = (cropped(seen), cropped(wanted));
-        let light = inner.sum();
-        values[2 * b + 1] =
-            if light > 0.0 { structural_similarity(&inner.scaled(1.0 / light), &drawn.normalised()) } else { 0.0 };
+        [values[2 * b], values[2 * b + 1]] = scores(seen, wanted, own);
     }
     values[6] = cropped(&tally.image).sum() / tally.incident;
     values[7] = 1.0 - own;

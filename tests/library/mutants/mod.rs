@@ -23,7 +23,7 @@ use facetmill::export::stl::write_stl;
 use facetmill::progress::Progress;
 use facetmill::relief::mesh::Mesh;
 use facetmill::relief::periodic::PeriodicRelief;
-use facetmill::sculpt::bisection::Bisection;
+use facetmill::sculpt::bisection::{Bisection, HALF_LOST};
 use facetmill::sculpt::checkpoint::{Checkpoint, Origin, write_state};
 use facetmill::sculpt::start::Start;
 use facetmill::slope::Slope;
@@ -138,7 +138,7 @@ fn thinned_sheet() -> Vec<u8> {
     let heights = (0..16 * 16).map(|k| 0.05 * ((k % 16) as f32 - 7.3).abs() + 0.002 * (k / 16) as f32).collect();
     let relief =
         PeriodicRelief { nodes: 16, heights, cell: DVec2::new(1.0, 1.5), cells: [1, 2], tilt: Slope::new(0.0, 0.1) };
-    let mut cover = Bisection::new(&relief).unwrap();
+    let mut cover = Bisection::new(&relief, HALF_LOST).unwrap();
     cover.refine(100, &Progress::silent()).unwrap();
     let mesh = thinned_solid(&cover.thinned(), 1.0, 0.0, &Progress::silent()).unwrap();
     let mut bytes = Vec::new();

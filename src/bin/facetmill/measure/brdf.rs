@@ -1,5 +1,7 @@
 //! The BRDF over all directions: tables for renderers, text for spreadsheets, pictures for people.
 
+use std::time::Instant;
+
 use facetmill::export::brdf_csv::write_brdf_csv;
 use facetmill::export::bsdf::{BsdfColour, BsdfError, BsdfFacts, BsdfSettings, write_bsdf};
 use facetmill::export::hemisphere_maps::hemisphere_maps;
@@ -43,8 +45,38 @@ struct Turned<'a> {
 impl Task for Turned<'_> {
     type Output = Result<Swept, MeasureError>;
     fn on<S: Surface>(self, surface: &S) -> Self::Output {
-        sweep(surface, &self.bench.material, self.axes, &self.measuring, self.progress)
+        let (material, measuring, lights) = (&self.bench.material, &self.measuring, self.axes.slices());
+        let fewer = Measuring { rays: measuring.rays.min(TRIED), ..*measuring };
+        let started = Instant::now();
+        sweep(surface, material, self.tried(), &fewer, &Progress::silent())?;
+        let a_ray = started.elapsed().as_secs_f64() / (2 * fewer.rays) as f64;
+        let about = how_much(lights, measuring.rays, a_ray);
+        self.progress.stage_with(Stage::Goniometer, &about);
+        sweep(surface, material, self.axes, measuring, self.progress)
     }
+}
+
+impl Turned<'_> {
+    /// Two directions of light, on whose rays the time of all is guessed.
+    fn tried(&self) -> BrdfAxes {
+        let nodes = BrdfAxes::polar_nodes(2, TRIED_TO.to_radians());
+        BrdfAxes::isotropic(nodes, self.axes.columns(), self.axes.rows()).unwrap_or_else(|_| self.axes.clone())
+    }
+}
+
+/// Rays of a direction from which the time of all is guessed, and how grazing the second of its directions is, degrees.
+const TRIED: u64 = 20_000;
+const TRIED_TO: f64 = 60.0;
+
+/// What a person is told before a sweep, in which a ray takes `a_ray` seconds.
+fn how_much(lights: usize, rays: u64, a_ray: f64) -> String {
+    let seconds = lights as f64 * rays as f64 * a_ray;
+    let time = match seconds {
+        ..10.0 => String::new(),
+        10.0..120.0 => format!(": about {seconds:.0} s"),
+        _ => format!(": about {:.0} min", seconds / 60.0),
+    };
+    format!("{lights} directions of light, {rays} rays each{time}")
 }
 
 pub fn measure(
@@ -56,7 +88,6 @@ pub fn measure(
     let axes = axes(args)?;
     let rays = args.rays().unwrap_or(RAYS);
     let measuring = Measuring { rays, ..bench.measuring };
-    progress.stage(Stage::Goniometer);
     let swept = bench.plate.run(Turned { bench, axes, measuring, progress }).map_err(|error| {
         Failure::of_measure(error, "light from some directions meets nothing of the plate: check units and orientation")
     })?;
@@ -228,6 +259,13 @@ const MOST_CELLS: usize = 128_000_000;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn long_sweeps_say_beforehand_how_long() {
+        assert_eq!(how_much(16, 1000, 1e-4), "16 directions of light, 1000 rays each");
+        assert_eq!(how_much(241, 200_000, 1e-6), "241 directions of light, 200000 rays each: about 48 s");
+        assert!(how_much(241, 2_000_000, 1e-6).ends_with(": about 8 min"));
+    }
 
     #[test]
     fn an_albedo_above_one_is_told_as_noise() {
