@@ -204,16 +204,26 @@ impl BareSurface {
     /// number beside the plate.
     pub fn slopes(&self, k: usize, rows: usize) -> Vec<DVec2> {
         let frame = self.sweep.frame();
-        // Rows and their shifts keep no step with passes and teeth.
-        let y = frame.size.y * (k as f64 + golden(7 * k + 3)) / rows as f64;
-        let shift = self.sweep.step() * golden(k);
+        let [y, shift] = self.row(k, rows);
         let mut slopes = vec![DVec2::NAN; self.sweep.columns() - 1];
         self.sweep.slopes(y, shift, &mut slopes);
         for (i, slope) in slopes.iter_mut().enumerate() {
-            let place = frame.on_plate(DVec2::new(self.sweep.step() * i as f64 + shift, y));
-            *slope = if frame.is_on_plate(place) { frame.turned(*slope) } else { DVec2::NAN };
+            let inside = frame.is_on_plate(self.place(i, k, rows));
+            *slope = if inside { frame.turned(*slope) } else { DVec2::NAN };
         }
         slopes
+    }
+
+    /// Where the plate has slope `i` of row `k` of `rows`, mm.
+    pub fn place(&self, i: usize, k: usize, rows: usize) -> DVec2 {
+        let [y, shift] = self.row(k, rows);
+        self.sweep.frame().on_plate(DVec2::new(self.sweep.step() * i as f64 + shift, y))
+    }
+
+    /// Place across the frame of row `k` of `rows`, and of its first slope along it, mm: they keep no step with passes and
+    /// teeth.
+    fn row(&self, k: usize, rows: usize) -> [f64; 2] {
+        [self.sweep.frame().size.y * (k as f64 + golden(7 * k + 3)) / rows as f64, self.sweep.step() * golden(k)]
     }
 }
 

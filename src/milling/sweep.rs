@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::machine::Machine;
 use super::passes::{Frame, Pass, Ways};
-use super::track::{Samples, Which};
+use super::track::{Samples, Which, whole};
 use crate::cutter::Profile;
 
 /// Places handled at once, so that they stay in the nearest cache.
@@ -59,6 +59,21 @@ struct Track {
     tips: Vec<f32>,
 }
 
+/// A track over some places of a row, each of them as far from the cutter's axis when it is at one of the track's samples.
+#[derive(Clone, Copy)]
+struct Over<'a> {
+    /// From the axis to the place, mm.
+    from_axis: DVec2,
+    /// Height of the cutter's underside above its tip there, mm.
+    above: f32,
+    /// Places of the row that it misses, and the tips' heights over those that follow.
+    skipped: usize,
+    tips: &'a [f32],
+    /// All of the track, and its sample over the first place of the row.
+    track: &'a [f32],
+    begin: isize,
+}
+
 /// All passes over a plate, as one machine cut them.
 pub struct Sweep {
     frame: Frame,
@@ -84,7 +99,8 @@ impl Sweep {
         let samples = Samples { from: -ahead * step, step, count, tooth };
         let cut = |(k, Pass { y, backward, way }): (usize, &Pass)| {
             let which = Which { index: k as u64, backward: *backward };
-            Track { y: *y, tips: way.cut(machine, seed, which, samples) }
+            // Across the passes the machine goes in whole steps too.
+            Track { y: whole(*y, machine.step), tips: way.cut(machine, seed, which, samples) }
         };
         let tracks = ways.ways.par_iter().enumerate().map(cut).collect();
         Self { frame: ways.frame, cutter, tracks, samples, window }
@@ -109,9 +125,9 @@ impl Sweep {
     pub fn row(&self, y: f64, heights: &mut [f32]) {
         heights.fill(f32::INFINITY);
         for (block, out) in heights.chunks_mut(BLOCK).enumerate() {
-            self.passing(y, 0.0, block * BLOCK, out.len(), |_, skipped, tips, above| {
-                for (out, tip) in out[skipped..].iter_mut().zip(tips) {
-                    let z = tip + above;
+            self.passing(y, 0.0, block * BLOCK, out.len(), |over| {
+                for (out, tip) in out[over.skipped..].iter_mut().zip(over.tips) {
+                    let z = tip + over.above;
                     *out = if z < *out { z } else { *out };
                 }
             });
@@ -161,22 +177,40 @@ impl Sweep {
         for (block, out) in slopes.chunks_mut(BLOCK).enumerate() {
             let (heights, winners) = (&mut heights[..out.len()], &mut winners[..out.len()]);
             heights.fill(f32::INFINITY);
-            let mut passed: Vec<DVec2> = Vec::new();
-            self.passing(y, shift, block * BLOCK, out.len(), |from_axis, skipped, tips, above| {
+            let mut passed: Vec<Over> = Vec::new();
+            self.passing(y, shift, block * BLOCK, out.len(), |over| {
                 let name = passed.len() as u32;
-                passed.push(from_axis);
-                let places = heights[skipped..].iter_mut().zip(&mut winners[skipped..]);
-                for ((height, winner), tip) in places.zip(tips) {
-                    let z = tip + above;
+                passed.push(over);
+                let places = heights[over.skipped..].iter_mut().zip(&mut winners[over.skipped..]);
+                for ((height, winner), tip) in places.zip(over.tips) {
+                    let z = tip + over.above;
                     let lower = z < *height;
                     *height = if lower { z } else { *height };
                     *winner = if lower { name } else { *winner };
                 }
             });
-            for ((out, height), winner) in out.iter_mut().zip(heights.iter()).zip(winners.iter()) {
-                *out = if height.is_finite() { self.slope_at(passed[*winner as usize]) } else { DVec2::NAN };
+            for (place, (out, height)) in out.iter_mut().zip(heights.iter()).enumerate() {
+                let touching = || self.touching(&passed[winners[place] as usize], place);
+                *out = if height.is_finite() { self.slope_at(touching()) } else { DVec2::NAN };
             }
         }
+    }
+
+    /// From the axis of the cutter that passes lowest over a place of a row to that place, mm. One whose teeth are not told
+    /// apart touches between two samples, where the parabola through three of them is lowest.
+    fn touching(&self, over: &Over, place: usize) -> DVec2 {
+        if self.samples.tooth > 1 {
+            return over.from_axis;
+        }
+        let along = |samples: f64| over.from_axis - DVec2::X * (self.samples.step * samples);
+        let height = |aside: isize| {
+            let k = usize::try_from(over.begin + place as isize + aside).ok()?;
+            Some(f64::from(*over.track.get(k)?) + self.cutter.underside(along(aside as f64).length()))
+        };
+        let (Some(before), Some(here), Some(after)) = (height(-1), height(0), height(1)) else { return over.from_axis };
+        let bend = before - 2.0 * here + after;
+        let bends = bend > 0.0 && bend.is_finite();
+        along(if bends { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 })
     }
 
     /// Slope that the cutter leaves at a place so far from its axis.
@@ -185,17 +219,8 @@ impl Sweep {
         if r > 0.0 { from_axis * (self.cutter.rise(r) / r) } else { DVec2::ZERO }
     }
 
-    /// Tells `visit`, of `count` places of a row from place `first` on, every sample of every track that can be over them:
-    /// from the cutter's axis to the place, how many places of the row it misses, the tips' heights over those that follow,
-    /// and the underside's height above them.
-    fn passing(
-        &self,
-        y: f64,
-        shift: f64,
-        first: usize,
-        count: usize,
-        mut visit: impl FnMut(DVec2, usize, &[f32], f32),
-    ) {
+    /// Tells `visit`, of `count` places of a row from place `first` on, every sample of every track that can be over them.
+    fn passing<'a>(&'a self, y: f64, shift: f64, first: usize, count: usize, mut visit: impl FnMut(Over<'a>)) {
         let Samples { from, step, count: all, .. } = self.samples;
         // Sample over the first place of the row.
         let ahead = (-from / step).round() as isize + first as isize;
@@ -212,7 +237,8 @@ impl Sweep {
                 let [low, high] = [-begin, all as isize - begin].map(|k| k.clamp(0, count as isize));
                 if low < high && above.is_finite() {
                     let tips = &track.tips[(begin + low) as usize..(begin + high) as usize];
-                    visit(from_axis, low as usize, tips, above as f32);
+                    let (above, skipped) = (above as f32, low as usize);
+                    visit(Over { from_axis, above, skipped, tips, track: &track.tips, begin });
                 }
             }
         }

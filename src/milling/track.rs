@@ -10,6 +10,13 @@ use super::random::{normal, stream};
 /// How far a segment of a program may lie from the cutter's way, mm: a fiftieth of what a good machine's tracks differ by.
 const CHORD: f64 = 5e-5;
 
+/// A drive that rounds its way by less than this, in samples, is taken to follow each of its steps: nothing is smoothed.
+const LEAST_SMOOTHING: f64 = 0.5;
+
+/// One that rounds it more is looked at in so many parts of a sample. Looked at once a sample, steps of a way whose slope
+/// keeps step with the samples all count half a sample early, or late: by up to 0.15 µm, where parts leave 0.02.
+const PARTS: usize = 8;
+
 /// Heights of the tip along a straight track, evenly spaced.
 pub(super) struct Way {
     /// Place of the first along the track, mm.
@@ -148,30 +155,38 @@ pub(super) fn whole(value: f64, step: f64) -> f64 {
 
 /// The segments of a program, their ends in whole steps, as drives follow them.
 fn followed(ends: &[[f64; 2]], machine: &Machine, which: Which, samples: Samples) -> Vec<f64> {
+    let Samples { from, step, count, .. } = samples;
     // On the way back the slide is behind by its play.
     let behind = if which.backward { machine.backlash_xy } else { 0.0 };
-    let mut segment = 1;
-    let heights = (0..samples.count).map(|k| {
-        let x = samples.from + samples.step * k as f64 + behind;
-        while segment + 1 < ends.len() && ends[segment][0] < x {
+    let sigma = machine.smoothing / step;
+    let parts = if sigma >= LEAST_SMOOTHING && machine.step > 0.0 { PARTS } else { 1 };
+    let end = |k: usize| ends[k.min(ends.len() - 1)].map(|place| whole(place, machine.step));
+    let (mut segment, mut pair) = (1, [end(0), end(1)]);
+    let mut height = |x: f64| {
+        while segment + 1 < ends.len() && pair[1][0] < x {
             segment += 1;
+            pair = [pair[1], end(segment)];
         }
-        let [[x0, z0], [x1, z1]] =
-            [ends[segment - 1], ends[segment.min(ends.len() - 1)]].map(|[x, z]| [x, whole(z, machine.step)]);
+        let [[x0, z0], [x1, z1]] = pair;
         let share = if x1 > x0 { ((x - x0) / (x1 - x0)).clamp(0.0, 1.0) } else { 0.0 };
-        let z = z0 + share * (z1 - z0);
-        whole(z, machine.step)
-    });
-    let heights: Vec<f64> = heights.collect();
-    smoothed(&heights, machine.smoothing / samples.step)
+        whole(z0 + share * (z1 - z0), machine.step)
+    };
+    let first = 0.5 / parts as f64 - 0.5;
+    let mean = |k: usize| {
+        let place = |part: usize| from + step * (k as f64 + first + part as f64 / parts as f64) + behind;
+        (0..parts).map(|part| height(place(part))).sum::<f64>() / parts as f64
+    };
+    let heights: Vec<f64> = (0..count).map(mean).collect();
+    if sigma < LEAST_SMOOTHING {
+        return heights;
+    }
+    // Means over a sample are smoothed already, as far as the variance of its parts goes.
+    let done = (1.0 - (parts as f64).powi(-2)) / 12.0;
+    smoothed(&heights, (sigma * sigma - done).max(0.0).sqrt())
 }
 
 /// Smoothed by a Gaussian whose standard deviation is `sigma` samples; the ends stay where they are.
 fn smoothed(heights: &[f64], sigma: f64) -> Vec<f64> {
-    // Narrower than half a sample it changes nothing.
-    if sigma < 0.5 {
-        return heights.to_vec();
-    }
     let taps = super::polish::taps(sigma);
     let last = heights.len() as isize - 1;
     let at = |k: isize| heights[k.clamp(0, last) as usize];
@@ -256,6 +271,16 @@ mod tests {
             // A segment over the ridge, 30 µm long, leaves half a micrometre of it by itself.
             assert!(most < 0.6e-3 && off(120).abs() < 1e-6 && off(290).abs() < 1e-6, "{most}");
         }
+    }
+
+    #[test]
+    fn steps_of_a_way_that_keeps_step_with_the_samples_are_as_high_as_it_on_the_mean() {
+        // A step every two samples: where a sample meets the middle between two steps, all of them count half a sample early.
+        let machine = Machine { step: 0.000_625, smoothing: 0.02, decimals: 9, ..Machine::ideal() };
+        let cut = way(|x| 0.1 + 0.0625 * x).cut(&machine, 1, FORWARD, samples(1));
+        let off = |k: usize| f64::from(cut[k]) - (0.1 + 0.0625 * 0.005 * k as f64);
+        let most = (50..350).map(|k| off(k).abs()).fold(0.0, f64::max);
+        assert!(most < 2e-5, "{most}");
     }
 
     #[test]

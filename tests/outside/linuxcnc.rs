@@ -17,11 +17,11 @@ use crate::asking::{ask, skip};
 use crate::moves::going;
 use crate::shop::{finishing, shop, wavy};
 
-/// What the interpreter prints of positions, mm; it reckons in inches.
+/// What interpreters print of positions, mm; LinuxCNC's reckons in inches.
 const DIGITS: f64 = 2e-8;
 
-/// Whether `program` is what LinuxCNC said.
-fn compare(name: &str, program: &Program, said: &str) {
+/// Whether `program` is what another interpreter said, in lines as `moves_of_linuxcnc.py` prints them.
+pub fn compare(name: &str, program: &Program, said: &str) {
     let said = going(said.lines(), |line| {
         let numbers: Vec<f64> = line[2..].split(' ').map(|number| number.parse().unwrap()).collect();
         (line.starts_with('A'), DVec3::from_slice(&numbers[..3]))

@@ -44,8 +44,8 @@ fn cusps_spread_slopes_evenly_across_the_passes() {
         let of = machining(exact(), cutter, stepover, 0.0);
         let (rms, _) = spread(&of, &plane(DVec2::ZERO));
         let expected = stepover / (of.cutter.diameter() * 3f64.sqrt());
-        // Along a pass cuts are an eighth of the stepover apart, which spreads slopes by as much.
-        assert!((rms.y / expected - 1.0).abs() < 5e-3 && rms.x < 0.127 * expected, "{cutter}: {rms} {expected}");
+        // Along a pass the cutter is everywhere, although only samples an eighth of the stepover apart are reckoned.
+        assert!((rms.y / expected - 1.0).abs() < 5e-3 && rms.x < 0.01 * expected, "{cutter}: {rms} {expected}");
     }
     let (rms, _) = spread(&machining(exact(), "ball:0.5", 0.02, 90.0), &plane(DVec2::ZERO));
     assert!((rms.x / (0.02 / (0.5 * 3f64.sqrt())) - 1.0).abs() < 5e-3 && rms.y < 0.003, "{rms}");
