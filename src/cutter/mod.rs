@@ -13,11 +13,14 @@
 //! Proofs of what is milled ask for this curve alone. The design of a sheet has a model of valleys that follow a
 //! paraboloid, z = r²/2R: [`suits_sheets`](Cutter::suits_sheets) refuses a cutter that has no such tip.
 //!
-//! A cutter is written as on the command line, `ball:0.5`. Another shape is one more variant here.
+//! A cutter is written as on the command line, `ball:0.5`. Another shape is one more variant here; sizes as they are sold,
+//! with their names, stand in [`library`].
 
 mod profile;
 
 mod spelling;
+
+pub mod library;
 
 pub use profile::Profile;
 pub use spelling::CutterError;

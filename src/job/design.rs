@@ -205,14 +205,14 @@ fn continuous(
     let mut sheet = sculpt(distribution, &sculpting, stepwise.from, stepwise.on_step, progress)?;
     let ended_early = sheet.stopped_early().is_some();
     clock.lap(Stage::Sculpting);
-    shallow_enough(sheet.relief.depth(), recipe.design.sheet.max_depth)?;
+    shallow_enough(sheet.relief.depth(), recipe)?;
     let mut near = NearDesign::new(recipe, distribution);
     if let Some(near) = &mut near {
         progress.stage_with(Stage::Room, &near.why);
         near.finish(recipe, distribution, &sheet, progress)?;
         progress.check()?;
         clock.lap(Stage::Room);
-        shallow_enough(near.depth(), recipe.design.sheet.max_depth)?;
+        shallow_enough(near.depth(), recipe)?;
     }
     let ended_early = ended_early || near.is_some() && progress.is_to_finish();
     progress.stage(Stage::Solid);
@@ -252,8 +252,10 @@ fn closed<R: Tiled>(
     Ok((mesh, Some(found)))
 }
 
-fn shallow_enough(depth: f64, most: Option<f64>) -> Result<(), DesignError> {
-    match most.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
+/// Refuses a relief that is deeper about its mean plane than it may be, or than its cutter reaches.
+fn shallow_enough(depth: f64, recipe: &Recipe) -> Result<(), DesignError> {
+    recipe.reaches(depth)?;
+    match recipe.design.sheet.max_depth.filter(|most| depth > (1.0 + DEPTH_ALLOWANCE) * most) {
         Some(most) => Err(DesignError::TooDeep { depth, most }),
         None => Ok(()),
     }
@@ -296,6 +298,7 @@ fn faceted(
     let steps = steps(&grid, &heights, pitch, periodic && near.is_none());
     let facets = heights.iter().zip(&grid.slopes).map(|(&height, &slope)| Facet { height, slope }).collect();
     let relief = FacetedRelief::uniform(columns, rows, recipe.plate.size.into(), facets);
+    recipe.reaches(relief.depth())?;
     let relief = relief.with_rim(recipe.rim(&distribution.setup));
     clock.lap(Stage::Heights);
 
@@ -337,8 +340,11 @@ mod tests {
 
     #[test]
     fn reliefs_deeper_than_allowed_are_refused() {
-        assert!(shallow_enough(9.0, None).is_ok() && shallow_enough(0.509, Some(0.5)).is_ok());
-        let error = shallow_enough(0.511, Some(0.5)).unwrap_err().to_string();
+        let mut recipe = Recipe::default();
+        assert!(shallow_enough(9.0, &recipe).is_ok());
+        recipe.design.sheet.max_depth = Some(0.5);
+        assert!(shallow_enough(0.509, &recipe).is_ok());
+        let error = shallow_enough(0.511, &recipe).unwrap_err().to_string();
         assert!(
             ["0.511", "0.5 mm", "of a cell about its mean plane", "--max-depth", "--cells"]
                 .iter()

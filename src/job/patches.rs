@@ -132,6 +132,7 @@ pub fn design_patches(
         }
     };
     let relief = patches.relief(&dimples, progress)?;
+    recipe.reaches(relief.depth())?;
     clock.lap(Stage::Sculpting);
     progress.stage(Stage::Solid);
     let mesh = sheet_solid(&relief, recipe.plate.thickness, recipe.plate.border, progress)?;

@@ -56,6 +56,11 @@ pub enum RecipeError {
     /// A machine without a cutter.
     #[error("machine: say what it cuts with, such as --for-cutter ball:0.5 (--cutter of a plate that is there)")]
     NoCutter,
+    /// A worn cutter of which it is not known how it wears.
+    #[error(
+        "worn: how the cutter wears is not known: name one of the library, such as ball-0.5, or give the radius of its flat as tip-flat of a machine file"
+    )]
+    NoWear,
     /// A preview of what has none.
     #[error("preview is of a sheet for a lamp and a wall far away, by no machine: leave out {with}, or preview")]
     NoPreview {
@@ -241,6 +246,16 @@ pub enum RecipeError {
         /// Shorter side of a facet, mm.
         pitch: f64,
     },
+    /// A cutter that does not reach to the bottom of the relief.
+    #[error(
+        "the relief is {depth:.3} mm deep about its mean plane, and the cutter reaches {flutes} mm: name one that reaches deeper (facetmill cutters lists them, --flutes says it of others), or make the relief shallower with more --cells or --patches or a smaller --size"
+    )]
+    BeyondFlutes {
+        /// From the relief's lowest to its highest point about its mean plane, mm.
+        depth: f64,
+        /// How deep the cutter can go, mm.
+        flutes: f64,
+    },
     /// Polish that leaves nothing.
     #[error(
         "a polish of {polish} mm leaves nothing of cells of {cell:.3} mm: it must be less than a quarter of them, take a smaller --polish or fewer --cells"
@@ -274,6 +289,7 @@ impl RecipeError {
             | Self::NoPreview { .. }
             | Self::Machine(_)
             | Self::NoCutter
+            | Self::NoWear
             | Self::NoPolish
             | Self::BareNearby => false,
             Self::Scene(fault) => fault.is_impossible(),

@@ -28,6 +28,9 @@ pub struct MachiningSettings {
     /// Whether the surface as made is written too.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub as_made_stl: bool,
+    /// Whether its cutter is worn.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub worn: bool,
     /// The machine: a preset by its name, any other by its values.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "written", deserialize_with = "read")]
     pub machine: Option<Machine>,

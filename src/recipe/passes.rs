@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::settings::{SETTINGS, Section};
 use super::{MachiningSettings, PassAngle, PassOrder, Recipe, RecipeError, SurfaceKind};
-use crate::cutter::Cutter;
+use crate::cutter::library::SoldCutter;
 use crate::milling::made::Machining;
 use crate::milling::passes::Passes;
 
@@ -19,10 +19,10 @@ impl MachiningSettings {
     /// machine.
     ///
     /// # Errors
-    /// Values out of range, settings without a machine, or a machine without a cutter.
+    /// Values out of range, settings without a machine, a machine without a cutter, or a worn one of unknown wear.
     pub fn machining(
         &self,
-        cutter: Option<Cutter>,
+        cutter: Option<SoldCutter>,
         polish: Option<f64>,
         seed: u64,
     ) -> Result<Option<Machining>, RecipeError> {
@@ -34,7 +34,12 @@ impl MachiningSettings {
             return given.map_or(Ok(None), |setting| Err(RecipeError::NoMachine { setting: setting.name }));
         };
         machine.check().map_err(|error| RecipeError::Machine(error.to_string()))?;
-        let cutter = cutter.ok_or(RecipeError::NoCutter)?;
+        let SoldCutter { shape: cutter, worn_tip, .. } = cutter.ok_or(RecipeError::NoCutter)?;
+        let mut machine = machine.clone();
+        if self.worn {
+            // One that was measured with a wider flat is worn by more than that.
+            machine.tip_flat = machine.tip_flat.max(0.5 * worn_tip.ok_or(RecipeError::NoWear)?);
+        }
         let polish = polish.filter(|polish| *polish != 0.0);
         let usual = match polish {
             Some(sigma) => (CUSPS_GONE * sigma).min(0.5 * cutter.reach()),
@@ -45,7 +50,7 @@ impl MachiningSettings {
             stepover: self.stepover.unwrap_or(usual),
             zigzag: self.pass_order == Some(PassOrder::Zigzag),
         };
-        Ok(Some(Machining { machine: machine.clone(), cutter, passes, polish, seed }))
+        Ok(Some(Machining { machine, cutter, passes, polish, seed }))
     }
 }
 
@@ -55,13 +60,33 @@ impl Recipe {
         self.machining.draws.unwrap_or(1)
     }
 
+    /// Its cutter, with what is known of it.
+    pub fn cutter(&self) -> Option<SoldCutter> {
+        let shape = self.design.sheet.cutter?;
+        Some(SoldCutter { shape, flutes: self.design.flutes, neck: None, worn_tip: self.design.worn_tip })
+    }
+
+    /// Takes `cutter` in place of any before it.
+    pub fn take_cutter(&mut self, cutter: &SoldCutter) {
+        self.design.sheet.cutter = Some(cutter.shape);
+        (self.design.flutes, self.design.worn_tip) = (cutter.deepest(), cutter.worn_tip);
+    }
+
+    /// Refuses a relief of `depth` mm about its mean plane to whose bottom its cutter does not reach.
+    pub fn reaches(&self, depth: f64) -> Result<(), RecipeError> {
+        match self.cutter().and_then(|cutter| cutter.deepest()).filter(|flutes| depth > *flutes) {
+            Some(flutes) => Err(RecipeError::BeyondFlutes { depth, flutes }),
+            None => Ok(()),
+        }
+    }
+
     /// How its plate is made, if a machine is named.
     ///
     /// # Errors
     /// It cannot be made so.
     pub fn machining(&self) -> Result<Option<Machining>, RecipeError> {
         let sheet = &self.design.sheet;
-        let machining = self.machining.machining(sheet.cutter, sheet.polish, self.design.seed)?;
+        let machining = self.machining.machining(self.cutter(), sheet.polish, self.design.seed)?;
         if let Some(machining) = &machining {
             if self.machining.as_made_stl && machining.polish.is_none() && self.surface() == SurfaceKind::Sheet {
                 return Err(RecipeError::NoPolish);
@@ -78,7 +103,32 @@ impl Recipe {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cutter::Cutter;
+    use crate::cutter::library::Library;
     use crate::milling::machine::Machine;
+
+    #[test]
+    fn a_worn_cutter_is_a_machine_with_a_flat_at_its_tip() {
+        let mut recipe = Recipe::default();
+        recipe.machining.worn = true;
+        assert_eq!(recipe.machining(), Err(RecipeError::NoMachine { setting: "worn" }));
+        recipe.machining.machine = Machine::preset("vmc");
+        recipe.take_cutter(&Cutter::ball(0.5).into());
+        assert_eq!(recipe.machining(), Err(RecipeError::NoWear));
+        recipe.take_cutter(Library::built_in().get("ball-0.5").unwrap());
+        assert_eq!((recipe.design.flutes, recipe.design.worn_tip), (Some(1.0), Some(0.05)));
+        let flat = |recipe: &Recipe| recipe.machining().unwrap().unwrap().machine.tip_flat;
+        // The machine counts it by its radius.
+        assert_eq!(flat(&recipe), 0.025);
+        let text = recipe.to_toml();
+        assert!(text.contains("machine = \"vmc\"") && text.contains("worn = true"), "{text}");
+        assert_eq!(Recipe::from_toml(&text).as_ref(), Ok(&recipe));
+        recipe.machining.machine = Machine::preset("vmc").map(|vmc| Machine { tip_flat: 0.03, ..vmc });
+        assert_eq!(flat(&recipe), 0.03);
+        recipe.machining.worn = false;
+        recipe.machining.machine = Machine::preset("vmc");
+        assert_eq!(flat(&recipe), 0.0);
+    }
 
     #[test]
     fn what_is_not_said_of_passes_follows_from_cutter_and_polish() {

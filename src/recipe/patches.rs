@@ -77,7 +77,7 @@ const LEAST_PATCH: f64 = 0.2;
 const FEATURES: f64 = 20.0;
 
 /// Settings that a plate of patches has besides its own.
-const SHARED: [&str; 16] = [
+const SHARED: [&str; 18] = [
     "light",
     "light-radius",
     "encoding",
@@ -91,6 +91,8 @@ const SHARED: [&str; 16] = [
     "grid",
     "max-triangles",
     "for-cutter",
+    "flutes",
+    "worn-tip",
     "min-feature",
     "seed",
     "rays",

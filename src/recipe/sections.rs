@@ -143,6 +143,12 @@ pub struct DesignSettings {
     /// What a sheet can be told.
     #[serde(flatten)]
     pub sheet: SheetSettings,
+    /// How deep the cutter can go, mm, if that is known: no relief is to be deeper.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flutes: Option<f64>,
+    /// Diameter of the flat that wear leaves on the cutter's tip, mm, if that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worn_tip: Option<f64>,
     /// Seed of everything random.
     pub seed: u64,
     /// The slope distribution.
@@ -160,6 +166,8 @@ impl Default for DesignSettings {
             arrange: None,
             heights: None,
             sheet: SheetSettings::default(),
+            flutes: None,
+            worn_tip: None,
             distribution: SlopeDistributionSettings::default(),
             annealing: None,
         }

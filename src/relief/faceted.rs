@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
+use super::depth::depth_about_plane;
 use super::rim::Rim;
 use crate::slope::Slope;
 
@@ -100,6 +101,12 @@ impl FacetedRelief {
     /// Lowest and highest point of all facets, rim included, mm.
     pub fn height_range(&self) -> (f64, f64) {
         self.range_of(0..self.columns(), 0..self.rows())
+    }
+
+    /// How deep it is about the plane that fits the middles of its facets best, mm; a rim counts as facets do.
+    pub fn depth(&self) -> f64 {
+        let places = (0..self.rows()).flat_map(|j| (0..self.columns()).map(move |i| (i, j)));
+        depth_about_plane(places.map(|(i, j)| self.middle(i, j).extend(self.facet(i, j).height)))
     }
 
     /// Lowest and highest point of the optical area, mm.

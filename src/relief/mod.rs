@@ -1,5 +1,7 @@
 //! Reliefs in millimetres: planes or triangles over a grid, and the triangles that are written.
 
+pub mod depth;
+
 pub mod rim;
 
 pub mod faceted;

@@ -9,6 +9,7 @@ mod mutate;
 mod bounds;
 mod breaking;
 mod continuous;
+mod cutters;
 mod files;
 mod hostile;
 mod kinds;

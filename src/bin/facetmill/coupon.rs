@@ -51,8 +51,16 @@ pub fn run(args: &CouponArgs, run: &Run) -> Result<(), Failure> {
 fn written(args: &CouponArgs, (name, output): (&str, &Path), run: &Run) -> Result<(), Failure> {
     let machine = machining::machine(name)?;
     let spindle = Spindle { fastest: args.spindle, teeth: args.teeth };
-    let pace = args.material.finishing(args.for_cutter, &machine, spindle);
-    let coupon = Coupon::new(&machine, args.for_cutter, pace.feed)?;
+    let cutter = machining::by_name("for-cutter", &args.for_cutter, args.cutters.as_deref())?;
+    let pace = args.material.finishing(cutter.shape, &machine, spindle);
+    let coupon = Coupon::new(&machine, cutter.shape, pace.feed)?;
+    let depth = coupon.relief().depth();
+    if let Some(flutes) = cutter.deepest().filter(|flutes| depth > *flutes) {
+        return Err(Failure::Impossible(format!(
+            "the test piece is {depth:.3} mm deep, and the cutter reaches {flutes} mm: name with --for-cutter one that reaches \
+             deeper (facetmill cutters lists them)"
+        )));
+    }
     let read = if Path::new(name).exists() { vec![Path::new(name)] } else { Vec::new() };
     let mut staged = Staged::new(&Place::new(output, args.running.force, exports::COUPON, &read), &run.gate)?;
     let stages = run.shows(Stages::new(&args.running));

@@ -161,6 +161,8 @@ fn recipe(args: &DesignArgs) -> Result<(Recipe, From), Failure> {
         (Some(recipe), None) => recipe,
         (None, _) => args.base(),
     };
+    // What flags say of the cutter counts before what the library does.
+    machining::cut_for(args.settings.cutter(), &args.machine, &mut recipe)?;
     args.apply(&mut recipe);
     machining::named(&args.machine, &mut recipe)?;
     if let Some(file) = &args.scene {

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use facetmill::cutter::library::Library;
 use facetmill::memory::{MemoryLimit, Need};
 use facetmill::milling::machine::Machine;
 use facetmill::picture::{self, Picture, Reading};
@@ -112,6 +113,12 @@ pub fn room(path: &Path) -> Result<Room, Failure> {
 pub fn machine(path: &Path) -> Result<Machine, Failure> {
     let text = text(path, "machine file", "machine.toml")?;
     Machine::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+/// Reads a file of cutters.
+pub fn cutters(path: &Path) -> Result<Library, Failure> {
+    let text = text(path, "file of cutters", "cutters.toml")?;
+    Library::from_toml(&text).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
 }
 
 /// Reads a recipe file; its numbers are not checked yet.

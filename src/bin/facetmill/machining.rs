@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use facetmill::cutter::Cutter;
+use facetmill::cutter::library::{Library, SoldCutter};
 use facetmill::glam::DVec2;
 use facetmill::job::findings::{MadeProof, Proof};
 use facetmill::job::made::{Lighting, prove_as_made, prove_as_made_in_room};
@@ -19,6 +21,7 @@ use crate::args::{MachineArgs, MachiningArgs};
 use crate::console::Failure;
 use crate::inputs;
 use crate::plates::Opened;
+use crate::usage::edits;
 
 /// What a machine is named that is none.
 const NONE: &str = "none";
@@ -40,8 +43,8 @@ pub fn named(args: &MachineArgs, recipe: &mut Recipe) -> Result<(), Failure> {
 
 /// What `args` and the `settings` of making ask for, for the plate of `recipe`, if a machine is named.
 pub fn of(args: &MachiningArgs, settings: &MachiningSettings, recipe: &Recipe) -> Result<Option<Machining>, Failure> {
-    let sheet = &recipe.design.sheet;
-    let (cutter, polish) = (args.cutter.or(sheet.cutter), args.polish.or(sheet.polish));
+    let named = cutter("cutter", args.cutter.as_deref(), args.by.cutters.as_deref())?;
+    let (cutter, polish) = (named.or(recipe.cutter()), args.polish.or(recipe.design.sheet.polish));
     let usage = |error| Failure::Usage(format!("--{error}"));
     let machining = settings.machining(cutter, polish, recipe.design.seed).map_err(usage)?;
     let alone = if args.cutter.is_some() { "--cutter" } else { "--polish" };
@@ -64,6 +67,51 @@ pub fn proved(
         return Err(Failure::Usage(format!("--{}", RecipeError::BareNearby)));
     }
     Ok(machining)
+}
+
+/// The cutters that are known by name: those that are sold, and over them those of a file.
+pub fn library(file: Option<&Path>) -> Result<Library, Failure> {
+    let sold = Library::built_in();
+    Ok(match file {
+        Some(file) => sold.with(inputs::cutters(file)?),
+        None => sold,
+    })
+}
+
+/// What `--flag` gives, if it is given: a cutter by its shape, or by its name in the library with those of a file.
+pub fn cutter(flag: &str, text: Option<&str>, file: Option<&Path>) -> Result<Option<SoldCutter>, Failure> {
+    match (text, file) {
+        (Some(text), file) => by_name(flag, text, file).map(Some),
+        (None, Some(_)) => Err(Failure::Usage(format!("--cutters: say with --{flag} which of them is meant"))),
+        (None, None) => Ok(None),
+    }
+}
+
+/// The cutter that `text`, which `--flag` gives, is the shape or the name of.
+pub fn by_name(flag: &str, text: &str, file: Option<&Path>) -> Result<SoldCutter, Failure> {
+    let library = library(file)?;
+    if let Some(cutter) = library.get(text) {
+        return Ok(*cutter);
+    }
+    if text.contains(':') {
+        let shape = text.parse::<Cutter>().map_err(|error| Failure::Usage(format!("--{flag}: {error}")))?;
+        return Ok(shape.into());
+    }
+    let near = |name: &&str| 2 * edits(text, name) <= name.chars().count();
+    let nearest = library.iter().map(|(name, _)| name).filter(near).min_by_key(|name| edits(text, name));
+    let meant = nearest.map(|name| format!(": did you mean {name}?")).unwrap_or_default();
+    Err(Failure::Usage(format!(
+        "--{flag}: '{text}' is neither a shape, such as ball:0.5, nor a cutter that is known by name{meant} (facetmill cutters \
+         lists them)"
+    )))
+}
+
+/// Lays the cutter that `--for-cutter` gives over `recipe`, with what is known of it.
+pub fn cut_for(text: Option<&str>, args: &MachineArgs, recipe: &mut Recipe) -> Result<(), Failure> {
+    if let Some(cutter) = cutter("for-cutter", text, args.cutters.as_deref())? {
+        recipe.take_cutter(&cutter);
+    }
+    Ok(())
 }
 
 /// A preset, or what a file says.

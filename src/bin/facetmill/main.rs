@@ -42,6 +42,8 @@ mod fit;
 
 mod machining;
 
+mod cutters;
+
 mod astray;
 
 mod in_room;
@@ -97,10 +99,16 @@ fn main() -> ExitCode {
         Command::Mill(args) => &args.running,
         Command::Coupon(args) => &args.running,
         Command::Fit(args) => &args.running,
+        Command::Cutters(args) => return answered(cutters::run(args), args.json),
         Command::Completions { shell } => return manual::written(manual::completions(*shell)),
         Command::Man => return manual::written(manual::page()),
     };
     work(&cli.command, running)
+}
+
+/// The exit code of what was done; why it was not is told first.
+fn answered(done: Result<(), Failure>, to_json: bool) -> ExitCode {
+    done.map_or_else(|failure| ExitCode::from(report_failure(&failure, to_json)), |()| ExitCode::SUCCESS)
 }
 
 /// Does what the command says.
@@ -121,18 +129,15 @@ fn work(command: &Command, running: &RunningArgs) -> ExitCode {
             Command::Mill(args) => mill::run(args, &run),
             Command::Coupon(args) => coupon::run(args, &run),
             Command::Fit(args) => fit::run(args, &run),
-            Command::Completions { .. } | Command::Man => Ok(()),
+            Command::Cutters(_) | Command::Completions { .. } | Command::Man => Ok(()),
         }
     };
     let done = match on_own_threads(running.threads, work) {
         Ok((done, _)) => done,
         Err(error) => Err(Failure::Impossible(format!("no thread can be started ({error}): end other programs"))),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            run.clear_progress();
-            ExitCode::from(report_failure(&failure, to_json))
-        }
+    if done.is_err() {
+        run.clear_progress();
     }
+    answered(done, to_json)
 }

@@ -6,6 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use facetmill::cutter::Cutter;
 use facetmill::export::pixels::encode_png;
+use facetmill::glam::{DVec2, DVec3};
 use facetmill::image::RgbImage;
 use facetmill::job::design::DesignError;
 use facetmill::job::findings::MadeProof;
@@ -18,6 +19,7 @@ use facetmill::milling::passes::Ways;
 use facetmill::milling::roughing::Roughing;
 use facetmill::progress::{Event, Progress, Stage};
 use facetmill::recipe::{BorderFinish, PassAngle, Recipe};
+use facetmill::relief::depth::depth_about_plane;
 use facetmill::report::mill::MillReport;
 use facetmill::report::text;
 use facetmill::shop::blank::Blank;
@@ -90,6 +92,7 @@ fn written(args: &MillArgs, output: &Path, run: &Run) -> Result<(), Failure> {
     progress.stage(Stage::Programs);
     let tips = machining.tips(&opened.mesh.at_optical_corner(margin));
     let ways = machining.ways_over(&tips, plate, &progress)?;
+    recipe.reaches(depth(&machining, &ways)).map_err(Failure::of_flags)?;
     let files = shop.programs(&opened.mesh, &tips, &ways, &progress)?;
     let mut advice = advice(&shop, &opened, &recipe, margin);
     advice.extend(shop.hours_beside(&ways, &files));
@@ -139,10 +142,20 @@ fn asked(args: &MillArgs, recipe: &mut Recipe) -> Result<Machining, Failure> {
         ));
     }
     let mut machining = machining::of(&how, &recipe.machining, recipe)?.ok_or_else(none)?;
+    if let Some(cutter) = machining::cutter("cutter", how.cutter.as_deref(), how.by.cutters.as_deref())? {
+        recipe.take_cutter(&cutter);
+    }
     if args.compensate {
         machining.machine.compensation_z = machining.machine.backlash_z;
     }
     Ok(machining)
+}
+
+/// How deep the finishing passes go about the plane that they lie on, mm, where they are over the plate.
+fn depth(machining: &Machining, ways: &Ways) -> f64 {
+    let (programs, plate) = (ways.programs(&machining.machine), ways.plate());
+    let over = |point: &DVec3| point.truncate().clamp(DVec2::ZERO, plate) == point.truncate();
+    depth_about_plane(programs.iter().flatten().copied().filter(over))
 }
 
 /// Every file of the folder.
@@ -243,7 +256,9 @@ fn shop(args: &MillArgs, machining: Machining, opened: &Opened, margin: f64) -> 
     let side = blank.size().truncate().min_element();
     // Half millimetres are what cutters are sold in.
     let usual = Cutter::Flat { diameter: ((0.2 * side).floor() / 2.0).clamp(1.0, 6.0) };
-    let cutter = args.rough_cutter.unwrap_or(usual);
+    let file = args.cutters.as_deref().filter(|_| args.rough_cutter.is_some());
+    let cutter =
+        machining::cutter("rough-cutter", args.rough_cutter.as_deref(), file)?.map_or(usual, |named| named.shape);
     if !(cutter.diameter() > 0.0 && cutter.diameter() <= side) {
         return Err(Failure::Impossible(format!(
             "the cutter {cutter} does not fit: name with --rough-cutter one no wider than the plate's smaller side, \

@@ -77,6 +77,7 @@ fn recipe(args: &PlanArgs) -> Result<(Recipe, PathBuf), Failure> {
             (fresh(recipe), path)
         }
     };
+    machining::cut_for(args.settings.cutter(), &args.machine, &mut recipe)?;
     args.settings.apply(&mut recipe);
     recipe.name_picture(&path);
     Ok((recipe, path))
@@ -87,6 +88,7 @@ fn fresh(recipe: Recipe) -> Recipe {
     let Recipe { mut plate, mut design, machining, .. } = recipe.clone();
     (plate.cells, plate.facets, plate.grid, plate.surface) = (None, None, None, None);
     design.sheet = Recipe::default().design.sheet;
+    (design.flutes, design.worn_tip) = (None, None);
     (design.sample, design.arrange, design.heights, design.annealing) = (None, None, None, None);
     let machining = MachiningSettings { machine: machining.machine, ..MachiningSettings::default() };
     Recipe { plate, design, machining, ..recipe }

@@ -76,6 +76,7 @@ fn foreign(args: &VerifyArgs) -> Option<&'static str> {
     let given = [
         (making.by.machine.is_some(), "--machine"),
         (making.cutter.is_some(), "--cutter"),
+        (making.by.cutters.is_some(), "--cutters"),
         (making.polish.is_some(), "--polish"),
         (args.scene.is_some(), "--scene"),
         (args.goal.is_some() || args.goal_part.is_some(), "--goal"),

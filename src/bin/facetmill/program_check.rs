@@ -118,7 +118,9 @@ fn given(args: &MillArgs, file: &Path, recipe: &Recipe, limit: MemoryLimit) -> R
     let bytes = inputs::bytes(file, limit, needs)?;
     let (tool, control, play) = said_of_itself(&bytes);
     let sheet = &recipe.design.sheet;
-    let cutter = args.cutter.or(tool).or(sheet.cutter).ok_or_else(|| {
+    let how = args.machining();
+    let named = machining::cutter("cutter", how.cutter.as_deref(), how.by.cutters.as_deref())?;
+    let cutter = named.map(|named| named.shape).or(tool).or(sheet.cutter).ok_or_else(|| {
         Failure::Usage(
             "--cutter: say with what the program cuts, such as ball:0.5; neither it nor a recipe does".into(),
         )

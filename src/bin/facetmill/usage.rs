@@ -42,8 +42,7 @@ pub fn answer(error: &clap::Error) -> u8 {
 }
 
 /// Words that people try, and the flag that does it.
-const MEANT: [(&str, &str); 14] = [
-    ("--for-cutter", "--cutter"),
+const MEANT: [(&str, &str); 13] = [
     ("--shape", "--surface"),
     ("--shape", "--wrap"),
     ("--cutter", "--for-cutter"),
@@ -83,7 +82,7 @@ fn better_hint(error: &clap::Error, command: &str) -> Option<String> {
 const MOST_EDITS: usize = 2;
 
 /// Letters that have to be put in, left out or changed to make one word of the other (Levenshtein's distance).
-fn edits(from: &str, to: &str) -> usize {
+pub fn edits(from: &str, to: &str) -> usize {
     let to: Vec<char> = to.chars().collect();
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (i, a) in from.chars().enumerate() {

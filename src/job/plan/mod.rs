@@ -165,9 +165,12 @@ impl Task<'_> {
                     ended_early = true;
                     break;
                 }
-                Err(error @ (PlanError::Memory | PlanError::Design(DesignError::TooDeep { .. }))) => {
-                    dropped = Some(error)
-                }
+                Err(
+                    error @ (PlanError::Memory
+                    | PlanError::Design(
+                        DesignError::TooDeep { .. } | DesignError::Recipe(RecipeError::BeyondFlutes { .. }),
+                    )),
+                ) => dropped = Some(error),
                 Err(error) => return Err(error),
             }
         }
@@ -349,7 +352,7 @@ pub enum PlanError {
     NoCutter,
     /// Every relief is too deep.
     #[error(
-        "every relief would be deeper than {most} mm, the shallowest {least:.2} mm: raise --max-depth, or take a smaller --size or more --cells"
+        "every relief would be deeper than {most} mm, the shallowest {least:.2} mm: raise --max-depth, name a cutter that reaches deeper, or take a smaller --size or more --cells"
     )]
     TooDeep {
         /// What is allowed, mm.

@@ -71,6 +71,7 @@ impl Free {
         let size = DVec2::from(recipe.plate.size);
         let shape = size / size.min_element();
         let sheet = &recipe.design.sheet;
+        let deepest = recipe.cutter().and_then(|cutter| cutter.deepest());
         Self {
             sizes: if any_size { SIDES.map(|side| side * shape).to_vec() } else { vec![size] },
             cells: recipe.plate.cells.map_or(vec![[1, 1], [2, 2], [3, 3]], |cells| vec![cells.0]),
@@ -78,7 +79,7 @@ impl Free {
             polish: sheet.polish,
             zigzag: recipe.machining.pass_order == Some(PassOrder::Zigzag),
             angle: model.angle,
-            most_depth: sheet.max_depth,
+            most_depth: [sheet.max_depth, deepest].into_iter().flatten().reduce(f64::min),
             depth_a_cell: model.depth_a_cell(),
         }
     }

@@ -3,12 +3,40 @@
 use super::Form::{Switch, Switches, Table, Text};
 use super::table::PLAIN;
 use super::{Section, Setting, Unit, Word};
+use crate::cutter::library::WIDEST_WEAR;
 use crate::milling::made::LEAST_STEPOVER;
 
 const MACHINING: Setting = Setting { section: Section::Machining, ..PLAIN };
+const OF_CUTTER: Setting = Setting { section: Section::Design, form: Text("MM"), unit: Unit::Millimetres, ..PLAIN };
 
-/// Machine and passes.
-pub(super) const MAKING: [Setting; 6] = [
+/// Cutter, machine and passes.
+pub(super) const MAKING: [Setting; 9] = [
+    Setting {
+        name: "flutes",
+        key: "design.flutes",
+        ranges: &[[0.01, 1000.0]],
+        unset: "as sold, if the cutter is named",
+        help: "How deep the cutter can go, mm: its teeth's length, or its neck's; deeper reliefs are refused",
+        at: |recipe| &mut recipe.design.flutes,
+        ..OF_CUTTER
+    },
+    Setting {
+        name: "worn-tip",
+        key: "design.worn-tip",
+        ranges: &[[0.0, WIDEST_WEAR]],
+        unset: "of the cutter that is named",
+        help: "Diameter of the flat that wear leaves on the cutter's tip, mm; it counts with --worn",
+        at: |recipe| &mut recipe.design.worn_tip,
+        ..OF_CUTTER
+    },
+    Setting {
+        name: "worn",
+        key: "machining.worn",
+        form: Switch,
+        help: "Make it with a worn cutter: the flat that wear leaves on its tip is in the surface as made",
+        at: |recipe| &mut recipe.machining.worn,
+        ..MACHINING
+    },
     Setting {
         name: "machine",
         key: "machining.machine",

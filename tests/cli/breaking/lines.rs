@@ -34,7 +34,7 @@ const NUMBERS: [&str; 24] = [
 ];
 
 /// Flags of each command and what they take: numbers are drawn for #.
-const DESIGN: [&str; 36] = [
+const DESIGN: [&str; 39] = [
     "--half-field #",
     "--projection screen",
     "--projection equidistant",
@@ -60,6 +60,9 @@ const DESIGN: [&str; 36] = [
     "--grid #",
     "--max-triangles #",
     "--for-cutter ball:#",
+    "--for-cutter ball-1",
+    "--flutes #",
+    "--worn-tip #",
     "--min-feature #",
     "--polish #",
     "--max-depth #",
@@ -87,7 +90,7 @@ const ROOM: [&str; 11] = [
     "--eye-distance #",
 ];
 /// The plate as a machine makes it.
-const MACHINE: [&str; 9] = [
+const MACHINE: [&str; 10] = [
     "--machine desktop",
     "--machine vmc",
     "--stepover #",
@@ -97,8 +100,9 @@ const MACHINE: [&str; 9] = [
     "--draws #",
     "--polish #",
     "--for-cutter ball:#",
+    "--worn",
 ];
-const MILL: [&str; 18] = [
+const MILL: [&str; 20] = [
     "--machine vmc",
     "--dialect grbl",
     "--dialect linuxcnc",
@@ -110,6 +114,8 @@ const MILL: [&str; 18] = [
     "--cutter flat:#",
     "--cutter cone:#,#",
     "--cutter tapered:#,#",
+    "--cutter ball-1",
+    "--worn",
     "--stepover #",
     "--pass-angle #",
     "--zigzag",

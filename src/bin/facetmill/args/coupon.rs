@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use facetmill::cutter::Cutter;
 use facetmill::gcode::dialect::Dialect;
 use facetmill::shop::feeds::Stock;
 
@@ -32,9 +31,12 @@ pub struct CouponArgs {
     /// Teeth of the cutters
     #[arg(long, value_name = "N", help_heading = "Machine", default_value = "2", value_parser = number)]
     pub teeth: f64,
-    /// The cutter, which is measured with the machine: ball:D or tapered:TIP,ANGLE
+    /// The cutter, which is measured with the machine: a name (`facetmill cutters`), ball:D or tapered:TIP,ANGLE
     #[arg(long, value_name = "CUTTER", help_heading = "Machine", default_value = "ball:0.5")]
-    pub for_cutter: Cutter,
+    pub for_cutter: String,
+    /// Your own cutters by name, besides those that `facetmill cutters` lists: a TOML file
+    #[arg(long, value_name = "FILE", help_heading = "Machine", requires = "for_cutter", conflicts_with = "read")]
+    pub cutters: Option<PathBuf>,
     /// What it is cut from: aluminium, brass, copper, steel or plastic; for feeds and speeds to start from
     #[arg(long, value_name = "NAME", help_heading = "Stock", default_value = "brass")]
     pub material: Stock,

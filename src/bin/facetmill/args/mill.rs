@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
-use facetmill::cutter::Cutter;
 use facetmill::gcode::dialect::Dialect;
 use facetmill::shop::feeds::Stock;
 
@@ -62,9 +61,14 @@ pub struct MillArgs {
     #[arg(long, value_name = "RPM", help_heading = "Machine", default_value = "24000", value_parser = number)]
     pub spindle: f64,
 
-    /// The finishing cutter: ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
-    #[arg(long, value_name = "CUTTER", help_heading = "Finishing")]
-    pub cutter: Option<Cutter>,
+    /// The finishing cutter: a name, ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
+    ///
+    /// `facetmill cutters` lists the names. A relief deeper than a named one reaches is refused.
+    #[arg(long, alias = "for-cutter", value_name = "CUTTER", help_heading = "Finishing")]
+    pub cutter: Option<String>,
+    /// Your own cutters by name, besides those that `facetmill cutters` lists: a TOML file
+    #[arg(long, value_name = "FILE", help_heading = "Finishing")]
+    pub cutters: Option<PathBuf>,
     #[command(flatten)]
     pub settings: SettingFlags<ByMill>,
     /// Polish that is assumed afterwards, mm: the standard deviation of the Gaussian that smooths heights  [default: the recipe's]
@@ -85,7 +89,7 @@ pub struct MillArgs {
 
     /// The cutter that takes the stock away  [default: a flat end of a tenth of the plate, 1 to 6 mm]
     #[arg(long, value_name = "CUTTER", help_heading = "Roughing")]
-    pub rough_cutter: Option<Cutter>,
+    pub rough_cutter: Option<String>,
     /// What roughing leaves standing over the optical area, mm, 0.01 to 5  [default: 0.1; --check: 0]
     #[arg(long, value_name = "MM", help_heading = "Roughing", value_parser = number)]
     pub allowance: Option<f64>,
@@ -117,6 +121,12 @@ impl MillArgs {
 
     /// How the finishing passes go, as `verify --machine` takes it.
     pub fn machining(&self) -> MachiningArgs {
-        MachiningArgs { by: MachineArgs { machine: self.machine.clone() }, cutter: self.cutter, polish: self.polish }
+        let by = MachineArgs { machine: self.machine.clone(), cutters: self.cutters_of_finishing() };
+        MachiningArgs { by, cutter: self.cutter.clone(), polish: self.polish }
+    }
+
+    /// The user's cutters, unless only the roughing cutter is one of them.
+    fn cutters_of_finishing(&self) -> Option<PathBuf> {
+        self.cutters.clone().filter(|_| self.cutter.is_some() || self.rough_cutter.is_none())
     }
 }

@@ -14,11 +14,12 @@ mod mill;
 
 mod coupon;
 
+mod cutters;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use facetmill::cutter::Cutter;
 use facetmill::goal::spec::GoalSpec;
 use facetmill::job::clock::wanted_threads;
 use facetmill::memory::MemoryLimit;
@@ -27,6 +28,7 @@ use facetmill::recipe::Recipe;
 use crate::values::{GoalPartArg, Limit, UnitArg, UpArg, goal, memory, threads};
 
 pub use coupon::CouponArgs;
+pub use cutters::CuttersArgs;
 pub use design::DesignArgs;
 pub use fit::FitArgs;
 pub use measure::MeasureArgs;
@@ -140,6 +142,13 @@ Examples:
   facetmill coupon --read scan.csv --against piece -o mine                then design --machine mine/machine.toml")]
     #[command(allow_negative_numbers = true)]
     Coupon(Box<CouponArgs>),
+    /// List the cutters that --for-cutter and --cutter know by name: shape, flutes, neck, wear
+    #[command(after_help = "\
+Examples:
+  facetmill cutters
+  facetmill cutters --cutters shop.toml                     with your own: \"mine\" = { shape = \"ball:0.5\", flutes = 1.5 }
+  facetmill design ring.png --for-cutter ball-0.5 -o ring")]
+    Cutters(CuttersArgs),
     /// Fit models of reflectance to a measured BRDF, and print each as a SPEC for --goal and --material
     ///
     /// Eleven models, one lobe each over an even base, the best three with up to three lobes, ranked by the root of the mean
@@ -236,6 +245,12 @@ pub struct MachineArgs {
     /// recipe says.
     #[arg(long, value_name = "NAME|FILE")]
     pub machine: Option<String>,
+    /// Cutters by name besides those that `facetmill cutters` lists, over which they count: a TOML file
+    ///
+    /// A line each: "mine" = { shape = "ball:0.5", flutes = 1.5, neck = 4, worn-tip = 0.05 }, all but the shape optional.
+    /// recipe.toml keeps what it says of the cutter that is named.
+    #[arg(long, value_name = "FILE")]
+    pub cutters: Option<PathBuf>,
 }
 
 /// What a plate that is there is made with, where that is not what its recipe says.
@@ -244,9 +259,11 @@ pub struct MachineArgs {
 pub struct MachiningArgs {
     #[command(flatten)]
     pub by: MachineArgs,
-    /// The cutter: ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
-    #[arg(long, value_name = "CUTTER")]
-    pub cutter: Option<Cutter>,
+    /// The cutter: a name, or ball:D, bull:D,CORNER, flat:D, cone:ANGLE,TIP or tapered:TIP,ANGLE  [default: the recipe's]
+    ///
+    /// `facetmill cutters` lists the names.
+    #[arg(long, alias = "for-cutter", value_name = "CUTTER")]
+    pub cutter: Option<String>,
     /// Polish afterwards, mm: the standard deviation of the Gaussian that smooths heights  [default: the recipe's]
     ///
     /// 0 is none.

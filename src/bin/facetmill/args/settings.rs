@@ -7,6 +7,9 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches};
 use facetmill::recipe::settings::{Form, SETTINGS, Section, Setting};
 use facetmill::recipe::{Recipe, SceneFault};
 
+/// The setting whose text may be a name of a library.
+const CUTTER: &str = "for-cutter";
+
 /// A command that takes some of the settings.
 pub trait Takes {
     /// Whether it takes this one.
@@ -57,6 +60,7 @@ impl Takes for ByPlan {
             "border",
             "border-finish",
             "for-cutter",
+            "flutes",
             "polish",
             "max-triangles",
             "max-depth",
@@ -71,13 +75,13 @@ impl Takes for ByPlan {
     }
 }
 
-/// `facetmill mill` takes how passes go.
+/// `facetmill mill` takes how passes go, and whether the cutter is worn.
 #[derive(Clone, Copy, Debug)]
 pub struct ByMill;
 
 impl Takes for ByMill {
     fn takes(setting: &Setting) -> bool {
-        ["stepover", "pass-angle", "pass-order"].contains(&setting.name)
+        ["stepover", "pass-angle", "pass-order", "worn"].contains(&setting.name)
     }
 
     fn shown(_: &Setting, flag: Arg) -> Arg {
@@ -98,10 +102,10 @@ pub struct SettingFlags<C> {
 }
 
 impl<C> SettingFlags<C> {
-    /// Lays them over `recipe`.
+    /// Lays them over `recipe`, a cutter if it is given by its shape.
     pub fn apply(&self, recipe: &mut Recipe) {
         for (setting, text) in &self.given {
-            // It was read once already.
+            // It was read once already, but for names of cutters, which whoever has the library lays over it.
             let _ = setting.read(recipe, text);
         }
     }
@@ -131,6 +135,11 @@ impl<C> SettingFlags<C> {
             Some(name) => Err(format!("--{}", SceneFault::Implied(name))),
             None => Ok(implied),
         }
+    }
+
+    /// The cutter that was given, by its shape or by a name.
+    pub fn cutter(&self) -> Option<&str> {
+        self.given.iter().find(|(setting, _)| setting.name == CUTTER).map(|(_, text)| text.as_str())
     }
 
     /// Whether the setting of this name was given.
@@ -179,6 +188,8 @@ fn flags(setting: &'static Setting) -> Vec<Arg> {
             let switch = |name| new(name).action(ArgAction::SetTrue).conflicts_with_all(others(name));
             return words.iter().map(|word| switch(word.word).help(word.help)).collect();
         }
+        // A name is looked up once it is known whose library is meant.
+        Form::Text(placeholder) if setting.name == CUTTER => new(CUTTER).value_name(placeholder),
         Form::Text(placeholder) => new(setting.name)
             .value_name(placeholder)
             .value_parser(move |text: &str| read(setting, text))
