@@ -64,6 +64,24 @@ impl Frame {
         DVec2::new(from.dot(self.along), from.dot(self.along.perp())) + 0.5 * self.size
     }
 
+    /// From where to where a pass at `y` mm across the frame, which begins and ends `overrun` mm beyond it, runs no farther than
+    /// that and a `stepover` beside the plate, mm along the frame; `None` if nowhere.
+    fn beside_plate(&self, y: f64, overrun: f64, stepover: f64) -> Option<[f64; 2]> {
+        let start = self.on_plate(DVec2::new(0.0, y));
+        let (low, high) = (DVec2::splat(-overrun - stepover), self.plate() + overrun + stepover);
+        let mut ends = [-overrun, self.size.x + overrun];
+        for axis in 0..2 {
+            let (at, along) = (start[axis], self.along[axis]);
+            if along == 0.0 {
+                (low[axis]..=high[axis]).contains(&at).then_some(())?;
+            } else {
+                let [a, b] = [(low[axis] - at) / along, (high[axis] - at) / along];
+                ends = [ends[0].max(a.min(b)), ends[1].min(a.max(b))];
+            }
+        }
+        (ends[0] < ends[1]).then_some(ends)
+    }
+
     /// A vector of the frame, such as a slope, on the plate.
     pub fn turned(&self, vector: DVec2) -> DVec2 {
         vector.x * self.along + vector.y * self.along.perp()
@@ -162,23 +180,28 @@ impl Ways {
         self.frame.plate()
     }
 
-    /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting.
+    /// The tip's way along every pass as the program of `machine` says it, mm, on the plate, in the order of cutting. Where
+    /// passes of a turned frame run beside the plate, nothing is left to cut, and no stock may be there.
     pub fn programs(&self, machine: &Machine) -> Vec<Vec<DVec3>> {
         let program = |Pass { y, backward, way }: &Pass| {
+            let ends = self.frame.beside_plate(*y, self.overrun, self.stepover)?;
+            let [first, last] = ends.map(|x| ((x - way.from) / way.step).clamp(0.0, (way.heights.len() - 1) as f64));
+            let heights = way.heights.get(first.floor() as usize..=last.ceil() as usize).filter(|way| way.len() > 1)?;
+            let way = Way { from: way.from + way.step * first.floor(), step: way.step, heights: heights.to_vec() };
             let ends = way.programmed(machine, *backward).into_iter();
             let mut ends: Vec<DVec3> = ends.map(|[x, z]| self.frame.on_plate(DVec2::new(x, *y)).extend(z)).collect();
             if *backward {
                 ends.reverse();
             }
-            ends
+            Some(ends)
         };
-        self.ways.par_iter().map(program).collect()
+        self.ways.par_iter().filter_map(program).collect()
     }
 
     /// Time of cutting, hours: every pass at the feed, one way with a rapid back, and stops at both ends.
     pub fn hours(&self, machine: &Machine, zigzag: bool) -> f64 {
-        let length = self.frame.size.x + 2.0 * self.overrun;
-        self.ways.len() as f64 * pass_hours(machine, length, zigzag)
+        let places = self.ways.iter().map(|pass| pass.y);
+        hours(machine, &self.frame, places, ([self.overrun, self.stepover], zigzag))
     }
 
     /// Beside a turned plate nothing carries the cutter: it stays at its lowest there.
@@ -203,6 +226,17 @@ fn count(frame: &Frame, overrun: f64, stepover: f64) -> (f64, usize) {
     (beyond, (frame.size.y / stepover).ceil() as usize + 2 * beyond as usize)
 }
 
+/// Time of cutting passes at places across the frame, hours.
+fn hours(
+    machine: &Machine,
+    frame: &Frame,
+    places: impl Iterator<Item = f64>,
+    ([overrun, stepover], zigzag): ([f64; 2], bool),
+) -> f64 {
+    let lengths = places.filter_map(|y| frame.beside_plate(y, overrun, stepover)).map(|[from, to]| to - from);
+    lengths.map(|length| pass_hours(machine, length, zigzag)).sum()
+}
+
 /// Time of a pass `length` mm long and of the way back, hours.
 fn pass_hours(machine: &Machine, length: f64, zigzag: bool) -> f64 {
     let move_at = |mm_per_min: f64| {
@@ -221,8 +255,9 @@ pub fn finishing_hours(
     (angle, stepover, zigzag): (f64, f64, bool),
 ) -> f64 {
     let (frame, overrun) = (Frame::new(plate, angle), overrun(&profile));
-    let (_, count) = count(&frame, overrun, stepover);
-    count as f64 * pass_hours(machine, frame.size.x + 2.0 * overrun, zigzag)
+    let (beyond, count) = count(&frame, overrun, stepover);
+    let places = (0..count).map(|k| (k as f64 + 0.5 - beyond) * stepover);
+    hours(machine, &frame, places, ([overrun, stepover], zigzag))
 }
 
 /// Over the plate; beyond its rim the cutter rolls down, and leaves nothing there.
@@ -256,6 +291,12 @@ mod tests {
                 assert!(there.cmpge(DVec2::splat(-1e-12)).all() && there.cmple(frame.size + 1e-12).all(), "{degrees}");
             }
         }
+        // Passes of a turned frame end beside the plate, not at the frame's corners; along x nothing changes.
+        let turned = Frame::new(DVec2::splat(2.0), f64::to_radians(45.0));
+        let [from, to] = turned.beside_plate(0.5, 0.1, 0.05).unwrap();
+        assert!((to - from - (1.0 + 0.3 * 2f64.sqrt())).abs() < 1e-12, "{from} {to}");
+        assert_eq!(turned.beside_plate(-0.3, 0.1, 0.05), None);
+        assert_eq!(Frame::new(plate, 0.0).beside_plate(-0.12, 0.1, 0.05), Some([-0.1, 3.1]));
         assert_eq!(Frame::new(plate, f64::to_radians(90.0)).size, DVec2::new(2.0, 3.0));
         assert_eq!(Frame::new(plate, f64::to_radians(90.0)).turned(DVec2::X), DVec2::Y);
     }

@@ -64,6 +64,8 @@ fn programs_come_one_tool_a_file_in_every_dialect_with_all_that_a_shop_asks_for(
     let again = run_line(home.path(), &format!("mill plate {PASSES} --dialect linuxcnc -o again --threads 1 --quiet"));
     assert_done(&again);
     assert_eq!(fs::read_to_string(home.path().join("again/finishing.ngc")).unwrap(), finishing);
+    // Passes in any direction end beside the plate, within the stock; each was read back and judged.
+    assert_done(&run_line(home.path(), &format!("mill plate {PASSES} --pass-angle 30 -o aslant --quiet")));
 }
 
 #[test]
